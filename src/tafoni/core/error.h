@@ -1,0 +1,37 @@
+#pragma once
+// The one exception type of the program and the exit codes it maps to.
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include <fmt/core.h>
+
+namespace tafoni {
+
+/// What kind of thing went wrong; the value is the process exit code.
+enum class ErrorKind : int {
+  internal = 1,     ///< a bug in tafoni
+  usage = 2,        ///< wrong arguments or parameters
+  input = 3,        ///< a file that cannot be used as it is
+  output = 4,       ///< a result that cannot be written
+  invalid = 5,      ///< `validate` found a defect
+  cancelled = 130,  ///< Ctrl-C
+};
+
+/// One clear sentence for the user: what is wrong, where, what to do.
+class Error : public std::runtime_error {
+ public:
+  Error(ErrorKind kind, const std::string& sentence) : std::runtime_error(sentence), kind_(kind) {}
+  ErrorKind kind() const { return kind_; }
+
+ private:
+  ErrorKind kind_;
+};
+
+template <class... Args>
+[[noreturn]] void fail(ErrorKind kind, fmt::format_string<Args...> text, Args&&... args) {
+  throw Error(kind, fmt::format(text, std::forward<Args>(args)...));
+}
+
+}  // namespace tafoni

@@ -1,0 +1,69 @@
+#include "tafoni/core/parallel.h"
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+namespace tafoni {
+namespace {
+
+std::mutex arena_mutex;
+int requested_threads = 0;
+std::shared_ptr<tbb::task_arena> arena;
+
+std::shared_ptr<tbb::task_arena> current_arena() {
+  std::lock_guard lock(arena_mutex);
+  if (!arena)
+    arena = std::make_shared<tbb::task_arena>(requested_threads > 0 ? requested_threads
+                                                                    : tbb::task_arena::automatic);
+  return arena;
+}
+
+}  // namespace
+
+void set_thread_count(int threads) {
+  std::lock_guard lock(arena_mutex);
+  requested_threads = std::max(threads, 0);
+  arena.reset();
+}
+
+int thread_count() {
+  return current_arena()->max_concurrency();
+}
+
+void parallel_for(std::int64_t n, const std::function<void(std::int64_t)>& body, Progress& progress) {
+  current_arena()->execute([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<std::int64_t>(0, std::max<std::int64_t>(n, 0), 1),
+        [&](const tbb::blocked_range<std::int64_t>& range) {
+          for (std::int64_t i = range.begin(); i != range.end(); ++i) {
+            progress.check();
+            body(i);
+            progress.advance();
+          }
+        },
+        tbb::simple_partitioner());
+  });
+}
+
+void parallel_blocks(std::int64_t n, std::int64_t grain,
+                     const std::function<void(std::int64_t, std::int64_t)>& body) {
+  if (n <= 0) return;
+  grain = std::max<std::int64_t>(grain, 1);
+  const std::int64_t blocks = (n + grain - 1) / grain;
+  current_arena()->execute([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<std::int64_t>(0, blocks, 1),
+        [&](const tbb::blocked_range<std::int64_t>& range) {
+          for (std::int64_t b = range.begin(); b != range.end(); ++b)
+            body(b * grain, std::min(n, (b + 1) * grain));
+        },
+        tbb::simple_partitioner());
+  });
+}
+
+}  // namespace tafoni

@@ -1,0 +1,82 @@
+#pragma once
+// Parameters as data. A type that has parameters declares one table; scene files, `tafoni list`, --help,
+// --set and the reference page are all made from it.
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace tafoni {
+
+/// A parameter's value: what a scene file or `--set` can say.
+using Value = std::variant<bool, std::int64_t, double, std::string, std::vector<double>>;
+using Values = std::map<std::string, Value, std::less<>>;
+
+enum class ValueKind { boolean, integer, real, text, choice, numbers };
+
+struct ParamInfo {
+  std::string name;
+  std::string doc;   ///< one sentence, no full stop
+  std::string unit;  ///< "m", "rad", "" …
+  ValueKind kind = ValueKind::real;
+  Value init;
+  double min = 0, max = 0;           ///< allowed range of integer, real and each of numbers
+  std::vector<std::string> choices;  ///< of a choice
+  std::size_t count = 0;             ///< of numbers: how many, 0 for any
+  void (*store)(const ParamInfo&, void* object, const Value&) = nullptr;
+  Value (*load)(const ParamInfo&, const void* object) = nullptr;
+  alignas(8) unsigned char member[16] = {};  ///< the member pointer, as bytes; see ParamTable
+};
+
+/// The parameters of the plain struct P. Built once, in the file that declares P.
+template <class P>
+class ParamTable {
+ public:
+  ParamTable& real(std::string name, double P::*member, std::string unit, double min, double max,
+                   std::string doc);
+  ParamTable& integer(std::string name, std::int64_t P::*member, std::string unit, std::int64_t min,
+                      std::int64_t max, std::string doc);
+  ParamTable& boolean(std::string name, bool P::*member, std::string doc);
+  ParamTable& text(std::string name, std::string P::*member, std::string doc);
+  ParamTable& choice(std::string name, std::string P::*member, std::vector<std::string> choices,
+                     std::string doc);
+  ParamTable& numbers(std::string name, std::vector<double> P::*member, std::string unit, std::size_t count,
+                      double min, double max, std::string doc);
+  const std::vector<ParamInfo>& infos() const { return infos_; }
+  operator std::vector<ParamInfo>() const { return infos_; }
+
+ private:
+  template <class M>
+  ParamInfo& add(std::string name, M P::*member, std::string doc, ValueKind kind);
+  std::vector<ParamInfo> infos_;
+};
+
+/// Checks `value` against `info` and converts where nothing is lost (an integer for a real, a number for a
+/// list of one). Throws Error{usage}: "WHERE: NAME = 12 is outside 0 to 10 m".
+Value checked(const ParamInfo& info, const Value& value, std::string_view where);
+
+/// Reads what `--set NAME=TEXT` says as `info`'s kind. Throws Error{usage}.
+Value parsed(const ParamInfo& info, std::string_view text, std::string_view where);
+
+/// Stores `values` into the object of `infos`. An unknown name is an error that names the nearest known one.
+void assign(std::span<const ParamInfo> infos, void* object, const Values& values, std::string_view where);
+
+/// Finds a parameter by name, or throws Error{usage} naming the nearest known one.
+const ParamInfo& find_param(std::span<const ParamInfo> infos, std::string_view name, std::string_view where);
+
+/// The name nearest to `word` by edit distance, empty when none is near.
+std::string nearest(std::string_view word, std::span<const std::string> known);
+
+/// A value as a scene file writes it.
+std::string to_toml(const Value& value);
+
+/// "0 to 10 m", "soft | hard": what `info` allows, for help and error texts.
+std::string allowed(const ParamInfo& info);
+
+}  // namespace tafoni
+
+#include "tafoni/core/impl/params.inl.h"

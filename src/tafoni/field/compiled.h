@@ -1,0 +1,92 @@
+#pragma once
+// The compiled field: immutable, indexed, safe to query from any number of threads.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "tafoni/field/tree.h"
+#include "tafoni/math/vec.h"
+
+namespace tafoni::field {
+
+namespace impl {
+struct Program;
+}
+
+class CompiledField {
+ public:
+  /// f at a local position.
+  float value(Vec3d p) const;
+  /// f at many positions, in the order given; bit-identical to value() one by one.
+  void values(std::span<const Vec3d> points, std::span<float> out) const;
+  /// f and its analytic gradient. Where f is not differentiable, one side's gradient.
+  void gradients(std::span<const Vec3d> points, std::span<float> values, std::span<Vec3f> gradients) const;
+  /// Encloses every value of f over the box (local metres).
+  Interval interval(const Box3d& box) const;
+  /// A box that holds the whole surface f = 0; empty when there is none.
+  Box3d bounds() const;
+
+  const impl::Program& program() const { return *program_; }
+  explicit CompiledField(std::shared_ptr<const impl::Program> program) : program_(std::move(program)) {}
+
+ private:
+  std::shared_ptr<const impl::Program> program_;
+};
+
+CompiledField compile(const NodePtr& root);
+
+/// The lattice: sample (i, j, k) lies at local (i, j, k) * voxel. Chunks of 64^3 cells tile it; chunk (a, b,
+/// c) holds the cells from (64 a, 64 b, 64 c).
+inline constexpr int chunk_cells = 64;
+inline constexpr int brick_cells = 8;
+inline constexpr int chunk_bricks = chunk_cells / brick_cells;
+
+/// The samples of one chunk's cells, valid wherever an active brick of 8^3 cells needs them.
+struct ChunkSamples {
+  static constexpr int nx = 72, ny = 65, nz = 65;  ///< x is padded; 65 samples a side are used
+
+  float at(int i, int j, int k) const {
+    return f[(static_cast<std::size_t>(k) * ny + static_cast<std::size_t>(j)) * nx +
+             static_cast<std::size_t>(i)];
+  }
+  bool brick(int bx, int by, int bz) const { return (active[bz] >> (by * 8 + bx)) & 1u; }
+
+  Vec3i chunk;
+  std::vector<float> f;                     ///< [nz][ny][nx]
+  std::uint64_t active[chunk_bricks] = {};  ///< bit by*8+bx of entry bz: the brick may hold the surface
+  std::uint64_t evaluated = 0;              ///< samples computed, for statistics
+  bool any() const {
+    for (auto a : active)
+      if (a) return true;
+    return false;
+  }
+};
+
+/// Evaluates chunks of one field on one lattice. One a thread; reuses its memory between chunks.
+class ChunkEvaluator {
+ public:
+  ChunkEvaluator(const CompiledField& field, double voxel);
+  ~ChunkEvaluator();
+  ChunkEvaluator(const ChunkEvaluator&) = delete;
+  ChunkEvaluator& operator=(const ChunkEvaluator&) = delete;
+
+  /// The chunk indices along z, first to last (inclusive), in which column (a, b) may hold surface;
+  /// first > last when none. Cheap; prepares the column for evaluate().
+  struct Range {
+    int first = 0, last = -1;
+  };
+  Range column(int a, int b);
+  /// Samples of chunk (a, b, c) of the column last prepared. False when no brick is active.
+  /// An inactive brick holds no sign change among the 9^3 samples of its cells' closure.
+  bool evaluate(int c, ChunkSamples& out);
+  /// Gradients at local points within the chunk last evaluated (its closed box); bit-identical to
+  /// CompiledField::gradients.
+  void gradients(std::span<const Vec3d> points, std::span<float> values, std::span<Vec3f> gradients);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace tafoni::field

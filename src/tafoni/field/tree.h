@@ -1,0 +1,100 @@
+#pragma once
+// The editable construction tree (document 003, section 3.1): small immutable nodes with shared structure.
+//
+// Positions are double metres in the scene's local frame (world minus the scene's origin). Fields are in the
+// f - T frame: solid where f > 0. Nodes are pure data; compile() (compiled.h) makes them answer queries.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "tafoni/math/vec.h"
+#include "tafoni/raster/grid.h"
+
+namespace tafoni::field {
+
+class Node;
+using NodePtr = std::shared_ptr<const Node>;
+
+/// How far from the surface the heightfield's field reaches (document 003, section 5.1).
+struct TerrainSettings {
+  double influence = 15.0;  ///< R, metres; R <= 3T is enforced, or sigma would not be monotone
+  double amplitude = 7.5;   ///< T, metres: the field's greatest magnitude
+  bool bicubic = true;      ///< Catmull-Rom, C1; else bilinear
+  bool first_order = true;  ///< v / sqrt(1 + |grad h|^2), else the vertical distance v of the paper
+};
+
+/// f_T = sigma(distance to the surface of `heights`). Heights are local metres, all finite; outside the
+/// raster the nearest pixel's value continues.
+NodePtr heightfield(std::shared_ptr<const raster::Raster> heights, const TerrainSettings& settings);
+
+/// f_P = sigma(signed distance to the border of Omega x [base, infinity)), positive inside.
+/// Omega is a rectangle, cut by an optional raster of signed distances in metres (positive inside,
+/// interpolated bilinearly), which carries polygons, holes and missing data.
+struct Domain {
+  Box3d box;  ///< x and y limits; box.lo.z is the base; box.hi.z is not used
+  std::shared_ptr<const raster::Raster> inside;  ///< may be null
+};
+NodePtr domain(const Domain& domain, const TerrainSettings& settings);
+
+/// A field equal to `value` everywhere; -T under a union turns a cloud into a solid of its own.
+NodePtr constant(float value);
+
+/// Noise that perturbs the metric of a cloud's primitives (document 003, section 5.2):
+/// distance / (R + amplitude * (2 t(v / wavelength) - 1)) with t normalised fBm in [0, 1].
+struct MetricNoise {
+  double amplitude = 0;   ///< metres, below every primitive's radius; 0 switches it off
+  double wavelength = 4;  ///< metres
+  int octaves = 3;
+  std::uint64_t seed = 0;
+};
+
+struct CloudSettings {
+  std::string_view kind = "point";  ///< a registered primitive (primitive.h)
+  double falloff = 15.0;            ///< metres over which a volumetric kind falls off beyond its body
+  MetricNoise noise;
+};
+
+/// Collects like primitives into one node: their contributions energy * g(distance) are summed.
+/// The node does not depend on the order of add().
+class CloudBuilder {
+ public:
+  explicit CloudBuilder(const CloudSettings& settings);
+  ~CloudBuilder();
+  CloudBuilder(CloudBuilder&&) noexcept;
+  CloudBuilder& operator=(CloudBuilder&&) noexcept;
+
+  /// `anchor` in local metres; `shape` as the kind's record says (primitive.h), e.g. {radius} for a point,
+  /// {dx, dy, dz, radius} for a segment. `energy` in metres; negative carves.
+  /// Throws Error{input} for what is not finite, not positive where it must be, or beyond 131 km.
+  void add(Vec3d anchor, float energy, std::span<const float> shape);
+  std::size_t size() const;
+  /// Sorts, quantizes (2^-14 m) and indexes. Leaves the builder empty.
+  NodePtr finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A number of points along a walk, as a cloud of the kind "point"; the common case.
+inline void add_point(CloudBuilder& cloud, Vec3d center, double radius, double energy) {
+  const float shape[] = {static_cast<float>(radius)};
+  cloud.add(center, static_cast<float>(energy), shape);
+}
+
+/// A node of a registered operator, by name: "blend" (sum), "union" (max), "intersection" (min),
+/// "difference" (min(a, -b)). Takes at least one child; one child alone is returned as it is.
+/// Blending a cloud adds its primitives one by one, in the cloud's order, to what stands before it.
+NodePtr combine(std::string_view op, std::vector<NodePtr> children);
+
+struct TreeStats {
+  std::uint64_t nodes = 0;  ///< primitives, operators and heightfields, as document 003's #N counts
+  std::uint64_t primitives = 0;
+  std::uint64_t bytes = 0;  ///< without the heightfield's raster
+};
+TreeStats stats(const NodePtr& root);
+
+}  // namespace tafoni::field

@@ -1,0 +1,51 @@
+#pragma once
+// What the program knows of a landform generator: a declaration and one pure function.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tafoni/core/params.h"
+#include "tafoni/core/progress.h"
+#include "tafoni/field/compiled.h"
+#include "tafoni/field/tree.h"
+#include "tafoni/geology/geology.h"
+#include "tafoni/landforms/region.h"
+#include "tafoni/raster/grid.h"
+
+namespace tafoni::landforms {
+
+/// All a generator may look at. Positions are local; elevations in parameters are world elevations, so local
+/// z = elevation - origin.z.
+struct Site {
+  Vec3d origin;                                       ///< world position of local zero
+  std::shared_ptr<const raster::Raster> heights;      ///< local frame, filled where data was missing
+  const raster::Grid<std::uint8_t>* valid = nullptr;  ///< 1 where heights are real data; null: everywhere
+  double influence = 15, amplitude = 7.5;             ///< R and T of the terrain
+  field::NodePtr terrain;                             ///< the tree so far, earlier layers included
+  const geology::Geology* geology = nullptr;
+  const Region* region = nullptr;  ///< where the landform may act; null: everywhere
+  std::vector<Vec3d> points;       ///< user's seeds, local
+  std::uint64_t seed = 0;
+};
+
+/// What a generator made: nodes to blend onto the tree in this order, and facts for the report.
+struct Result {
+  std::vector<field::NodePtr> nodes;
+  std::vector<std::pair<std::string, Value>> report;
+};
+
+struct LandformType {
+  std::string name, doc, source;
+  std::vector<ParamInfo> params;
+  /// `values` hold only what differs from the defaults; already checked.
+  Result (*generate)(const Site&, const Values&, Progress&) = nullptr;
+};
+
+/// Every landform, sorted by name; the table is written by CMake from the folder's files: generators/NAME.cpp
+/// defines `const LandformType& landform_NAME()` (with '-' as '_').
+std::span<const LandformType* const> all_landforms();
+/// Throws Error{usage} naming the nearest known one.
+const LandformType& find_landform(std::string_view name);
+
+}  // namespace tafoni::landforms
