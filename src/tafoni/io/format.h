@@ -1,0 +1,60 @@
+#pragma once
+// Files of meshes and pictures, by extension. A format is one file in formats/.
+
+#include <cstddef>
+#include <filesystem>
+#include <iosfwd>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tafoni/core/params.h"
+#include "tafoni/core/progress.h"
+#include "tafoni/mesh/mesh.h"
+#include "tafoni/raster/image.h"
+
+namespace tafoni::io {
+
+/// What a mesh file says besides its geometry, as far as its format can.
+struct MeshMetadata {
+  std::string name = "terrain";
+  std::string crs;   ///< WKT or "EPSG:…"; empty when unknown
+  Values generator;  ///< how it was made: scene parameters, seed, versions
+};
+
+/// One file format. A function that the format lacks is null.
+struct FormatType {
+  std::string name, doc, source;
+  std::vector<std::string> extensions;  ///< lower case, without the dot; the first is the usual one
+  std::vector<ParamInfo> params;
+
+  /// Writes to a binary stream; the caller checks the stream and renames the file. Throws Error{output} for a
+  /// mesh that the format cannot hold.
+  void (*write_mesh)(std::ostream&, const mesh::Mesh&, const MeshMetadata&, Progress&) = nullptr;
+  /// Reads a whole file that lies in memory. `file` is for error texts. Throws Error{input}.
+  mesh::Mesh (*read_mesh)(std::span<const std::byte> bytes, std::string_view file) = nullptr;
+  void (*write_image)(std::ostream&, const raster::Image&) = nullptr;
+};
+
+/// Every format, sorted by name; the table is written by CMake from the folder's files: formats/NAME.cpp
+/// defines `const FormatType& format_NAME()`.
+std::span<const FormatType* const> all_formats();
+/// Throws Error{usage} naming the nearest known one.
+const FormatType& find_format(std::string_view name);
+
+/// What a format is wanted for.
+enum class Ability { write_mesh, read_mesh, write_image };
+/// The format of `path` by its extension. Throws Error{usage} that lists the extensions that can.
+const FormatType& format_of(const std::filesystem::path& path, Ability ability);
+
+/// Writes beside `path` and renames, so that no partial file is ever seen. Throws Error{output}.
+void write_mesh(const std::filesystem::path& path, const mesh::Mesh& mesh, const MeshMetadata& metadata = {},
+                Progress& progress = silent());
+/// Throws Error{input}: missing, truncated, or not what its extension says. The result's indices are in range
+/// and its positions finite; formats without shared vertices (STL) are welded by exact position.
+mesh::Mesh read_mesh(const std::filesystem::path& path);
+/// Writes beside `path` and renames. Throws Error{output}.
+void write_image(const std::filesystem::path& path, const raster::Image& image);
+
+}  // namespace tafoni::io

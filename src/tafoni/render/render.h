@@ -1,0 +1,47 @@
+#pragma once
+// Still pictures of a mesh: sun with soft shadow, sky light with occlusion, or a lamp inside a cave.
+
+#include <optional>
+
+#include "tafoni/core/progress.h"
+#include "tafoni/math/vec.h"
+#include "tafoni/mesh/mesh.h"
+#include "tafoni/raster/image.h"
+
+namespace tafoni::render {
+
+/// A pinhole camera. Positions are world (scene CRS), metres.
+struct Camera {
+  Vec3d eye, target;
+  Vec3d up{0, 0, 1};
+  double fov = 0.61;  ///< vertical angle of view, radians
+};
+
+struct RenderSettings {
+  int width = 1280, height = 720;
+  int samples = 16;                   ///< rays through each pixel; each also asks for sun and sky once
+  std::optional<double> sun_azimuth;  ///< radians clockwise from north; default: from the camera's left
+  double sun_elevation = 0.70;        ///< radians above the horizon
+  double sun_radius = 0.02;           ///< radians, the softness of shadows (the real sun: 0.0047)
+  bool inside = false;                ///< a lamp at the eye and no sky: for cave interiors
+  std::optional<double> sea_level;    ///< world elevation; draws a translucent water surface
+  double exposure = 1.0;              ///< factor on the light before tone mapping
+  double haze = 1.0;                  ///< strength of aerial perspective; 0 switches it off
+  std::optional<double> azimuth;      ///< frame(): direction of view, radians clockwise from north
+  double elevation = 0.45;            ///< frame(): how far the camera looks down, radians
+};
+
+/// A three-quarter view from outside in which the whole mesh lies inside the picture; without an azimuth it
+/// looks at the side where most cliffs face. Throws Error{input} for a mesh without triangles.
+Camera frame(const mesh::Mesh& mesh, const RenderSettings& settings);
+
+/// A view inside a cave: `eye` in world metres, or a place found in the roomiest roofed part of the mesh; the
+/// target lies along the longest free line of sight. Throws Error{input} when nothing is roofed.
+Camera frame_inside(const mesh::Mesh& mesh, std::optional<Vec3d> eye = {});
+
+/// The picture; the same bytes at any thread count. Colours come from the mesh, or from mesh/palette.h by
+/// slope and height when it has none. Throws Error{usage} for a camera or size that makes no picture.
+raster::Image render(const mesh::Mesh& mesh, const Camera& camera, const RenderSettings& settings,
+                     Progress& progress = silent());
+
+}  // namespace tafoni::render
