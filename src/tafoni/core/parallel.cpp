@@ -17,9 +17,10 @@ std::shared_ptr<tbb::task_arena> arena;
 
 std::shared_ptr<tbb::task_arena> current_arena() {
   std::lock_guard lock(arena_mutex);
-  if (!arena)
-    arena = std::make_shared<tbb::task_arena>(requested_threads > 0 ? requested_threads
-                                                                    : tbb::task_arena::automatic);
+  if (!arena) {
+    const int automatic = tbb::task_arena::automatic;  // a copy: the constant has no definition to bind to
+    arena = std::make_shared<tbb::task_arena>(requested_threads > 0 ? requested_threads : automatic);
+  }
   return arena;
 }
 

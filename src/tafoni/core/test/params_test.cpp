@@ -1,0 +1,194 @@
+#include "tafoni/core/params.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tafoni/core/error.h"
+
+namespace tafoni {
+namespace {
+
+struct Example {
+  double range = 8;
+  std::int64_t steps = 3;
+  bool wet = false;
+  std::string label = "cliff";
+  std::string profile = "soft";
+  std::vector<double> axis = {0, 0, 1};
+  std::vector<double> weights = {1};
+};
+
+const std::vector<ParamInfo>& infos() {
+  static const ParamTable<Example> table = [] {
+    ParamTable<Example> t;
+    t.real("range", &Example::range, "m", 0.1, 1000, "reach of the sea")
+        .integer("steps", &Example::steps, "", 1, 8, "repetitions")
+        .boolean("wet", &Example::wet, "whether the rock is wet")
+        .text("label", &Example::label, "a name")
+        .choice("profile", &Example::profile, {"soft", "hard"}, "the rock's profile")
+        .numbers("axis", &Example::axis, "", 3, -1, 1, "a direction")
+        .numbers("weights", &Example::weights, "", 0, 0, 1, "any number of weights");
+    return t;
+  }();
+  return table.infos();
+}
+
+const ParamInfo& info(std::string_view name) {
+  return find_param(infos(), name, "test");
+}
+
+std::string error_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::usage);
+    return e.what();
+  }
+  return "no error";
+}
+
+std::string set_error(const Values& values) {
+  return error_of([&] {
+    Example e;
+    assign(infos(), &e, values, "sea-cliff");
+  });
+}
+
+std::string parse_error(std::string_view name, std::string_view text) {
+  return error_of([&] { parsed(info(name), text, "sea-cliff"); });
+}
+
+TEST(Params, AssignStoresEveryKind) {
+  Example e;
+  assign(infos(), &e,
+         {{"range", 2.5},
+          {"steps", std::int64_t{5}},
+          {"wet", true},
+          {"label", std::string("x")},
+          {"profile", std::string("hard")},
+          {"axis", std::vector<double>{1, 0, 0}},
+          {"weights", std::vector<double>{}}},
+         "sea-cliff");
+  EXPECT_EQ(e.range, 2.5);
+  EXPECT_EQ(e.steps, 5);
+  EXPECT_TRUE(e.wet);
+  EXPECT_EQ(e.label, "x");
+  EXPECT_EQ(e.profile, "hard");
+  EXPECT_THAT(e.axis, testing::ElementsAre(1, 0, 0));
+  EXPECT_TRUE(e.weights.empty());
+}
+
+TEST(Params, LoadGivesBackWhatIsStored) {
+  Example e;
+  e.range = 12;
+  EXPECT_EQ(std::get<double>(info("range").load(info("range"), &e)), 12);
+  EXPECT_EQ(std::get<double>(info("range").init), 8);
+}
+
+TEST(Params, ConvertsWhereNothingIsLost) {
+  EXPECT_EQ(checked(info("range"), Value(std::int64_t{4}), "w"), Value(4.0));
+  EXPECT_EQ(checked(info("steps"), Value(4.0), "w"), Value(std::int64_t{4}));
+  EXPECT_EQ(checked(info("weights"), Value(0.5), "w"), Value(std::vector<double>{0.5}));
+  EXPECT_EQ(checked(info("weights"), Value(std::int64_t{1}), "w"), Value(std::vector<double>{1}));
+  EXPECT_THROW(checked(info("steps"), Value(4.5), "w"), Error);
+  EXPECT_THROW(checked(info("steps"), Value(1e300), "w"), Error);
+  EXPECT_THROW(checked(info("wet"), Value(std::int64_t{1}), "w"), Error);
+}
+
+TEST(Params, LimitsBelongToTheRange) {
+  EXPECT_EQ(checked(info("range"), Value(0.1), "w"), Value(0.1));
+  EXPECT_EQ(checked(info("range"), Value(1000.0), "w"), Value(1000.0));
+  EXPECT_THROW(checked(info("range"), Value(std::nextafter(1000.0, 2000.0)), "w"), Error);
+  EXPECT_THROW(checked(info("range"), Value(std::nan("")), "w"), Error);
+}
+
+TEST(Params, SentencesNameThePlaceTheValueAndTheRange) {
+  EXPECT_EQ(set_error({{"range", -3.0}}), "sea-cliff: range = -3 is outside 0.1 to 1000 m");
+  EXPECT_EQ(set_error({{"steps", std::int64_t{9}}}), "sea-cliff: steps = 9 is outside 1 to 8");
+  EXPECT_EQ(set_error({{"range", std::numeric_limits<double>::infinity()}}),
+            "sea-cliff: range = inf is outside 0.1 to 1000 m");
+  EXPECT_EQ(set_error({{"range", std::string("wide")}}),
+            "sea-cliff: range must be a number, 0.1 to 1000 m, not \"wide\"");
+  EXPECT_EQ(set_error({{"steps", 2.5}}), "sea-cliff: steps must be a whole number, 1 to 8, not 2.5");
+  EXPECT_EQ(set_error({{"profile", std::string("sotf")}}),
+            "sea-cliff: profile = \"sotf\" is not one of soft | hard; did you mean \"soft\"?");
+  EXPECT_EQ(set_error({{"profile", std::string("marble")}}),
+            "sea-cliff: profile = \"marble\" is not one of soft | hard");
+  EXPECT_EQ(set_error({{"axis", std::vector<double>{1, 2}}}),
+            "sea-cliff: axis = [1.0, 2.0] has 2 numbers, but must have 3");
+  EXPECT_EQ(set_error({{"axis", std::vector<double>{0, 0, 2}}}), "sea-cliff: axis = 2 is outside -1 to 1");
+  EXPECT_EQ(set_error({{"label", true}}), "sea-cliff: label must be text, not true");
+}
+
+TEST(Params, UnknownNameGetsTheNearest) {
+  EXPECT_EQ(set_error({{"rnage", 1.0}}), "sea-cliff: unknown parameter \"rnage\"; did you mean \"range\"?");
+  EXPECT_EQ(set_error({{"zzzzzz", 1.0}}),
+            "sea-cliff: unknown parameter \"zzzzzz\"; known are range, steps, wet, label, profile, axis and "
+            "weights");
+  EXPECT_EQ(error_of([] { find_param({}, "a", "plain"); }),
+            "plain: unknown parameter \"a\"; it has no parameters");
+}
+
+TEST(Params, ParsesText) {
+  EXPECT_EQ(parsed(info("range"), " 2.5e1 ", "w"), Value(25.0));
+  EXPECT_EQ(parsed(info("steps"), "4", "w"), Value(std::int64_t{4}));
+  EXPECT_EQ(parsed(info("steps"), "4.0", "w"), Value(std::int64_t{4}));
+  EXPECT_EQ(parsed(info("wet"), "Yes", "w"), Value(true));
+  EXPECT_EQ(parsed(info("wet"), "off", "w"), Value(false));
+  EXPECT_EQ(parsed(info("label"), "a = b", "w"), Value(std::string("a = b")));
+  EXPECT_EQ(parsed(info("profile"), "hard", "w"), Value(std::string("hard")));
+  EXPECT_EQ(parsed(info("axis"), "0,1 , -0.5", "w"), Value(std::vector<double>{0, 1, -0.5}));
+  EXPECT_EQ(parsed(info("axis"), "[0, 1, 0]", "w"), Value(std::vector<double>{0, 1, 0}));
+  EXPECT_EQ(parsed(info("weights"), "[]", "w"), Value(std::vector<double>{}));
+}
+
+TEST(Params, ParseErrors) {
+  EXPECT_EQ(parse_error("range", "8m"), "sea-cliff: range must be a number, 0.1 to 1000 m, not \"8m\"");
+  EXPECT_EQ(parse_error("range", ""), "sea-cliff: range must be a number, 0.1 to 1000 m, not \"\"");
+  EXPECT_EQ(parse_error("range", "5000"), "sea-cliff: range = 5000 is outside 0.1 to 1000 m");
+  EXPECT_EQ(parse_error("steps", "99999999999999999999"),
+            "sea-cliff: steps must be a whole number, 1 to 8, not \"99999999999999999999\"");
+  EXPECT_EQ(parse_error("wet", "maybe"), "sea-cliff: wet must be true or false, not \"maybe\"");
+  EXPECT_EQ(parse_error("axis", "1,,2"), "sea-cliff: axis must be 3 numbers, each -1 to 1, not \"1,,2\"");
+  EXPECT_EQ(parse_error("axis", "1,2,"), "sea-cliff: axis must be 3 numbers, each -1 to 1, not \"1,2,\"");
+}
+
+TEST(Params, Nearest) {
+  const std::vector<std::string> known = {"sea-cliff", "karst", "amplitude", "sea_level"};
+  EXPECT_EQ(nearest("karts", known), "karst");
+  EXPECT_EQ(nearest("seacliff", known), "sea-cliff");
+  EXPECT_EQ(nearest("sea-level", known), "sea_level");
+  EXPECT_EQ(nearest("ampl", known), "amplitude");
+  EXPECT_EQ(nearest("KARST", known), "karst");
+  EXPECT_EQ(nearest("hoodoo", known), "");
+  EXPECT_EQ(nearest("", known), "");
+  EXPECT_EQ(nearest("x", std::vector<std::string>{"y"}), "");
+}
+
+TEST(Params, ToToml) {
+  EXPECT_EQ(to_toml(Value(8.0)), "8.0");
+  EXPECT_EQ(to_toml(Value(0.1)), "0.1");
+  EXPECT_EQ(to_toml(Value(1e300)), "1e+300");
+  EXPECT_EQ(to_toml(Value(std::int64_t{8})), "8");
+  EXPECT_EQ(to_toml(Value(true)), "true");
+  EXPECT_EQ(to_toml(Value(std::string("a\"b\\c\nd\x01"))), "\"a\\\"b\\\\c\\nd\\u0001\"");
+  EXPECT_EQ(to_toml(Value(std::vector<double>{1, -0.5})), "[1.0, -0.5]");
+}
+
+TEST(Params, Allowed) {
+  EXPECT_EQ(allowed(info("range")), "0.1 to 1000 m");
+  EXPECT_EQ(allowed(info("profile")), "soft | hard");
+  EXPECT_EQ(allowed(info("axis")), "3 numbers, each -1 to 1");
+  EXPECT_EQ(allowed(info("wet")), "true or false");
+  ParamInfo open = info("range");
+  open.max = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(allowed(open), "0.1 m or more");
+  open.min = -open.max;
+  EXPECT_EQ(allowed(open), "any number of m");
+}
+
+}  // namespace
+}  // namespace tafoni
