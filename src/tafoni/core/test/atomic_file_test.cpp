@@ -1,0 +1,128 @@
+#include "tafoni/core/atomic_file.h"
+
+#include <csignal>
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "tafoni/core/error.h"
+
+namespace tafoni {
+namespace {
+
+namespace fs = std::filesystem;
+
+class AtomicFileTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("tafoni_atomic_" + std::to_string(::getpid()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  static std::string content(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+  }
+  std::size_t files() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+  /// The error's sentence, empty when nothing was thrown.
+  template <class F>
+  static std::string sentence(F&& f) {
+    try {
+      f();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::output);
+      return error.what();
+    }
+    return "";
+  }
+  fs::path folder_;
+};
+
+TEST_F(AtomicFileTest, AppearsOnCommitOnly) {
+  const fs::path target = folder_ / "mesh.glb";
+  {
+    AtomicFile file(target);
+    file.write("hello");
+    EXPECT_FALSE(fs::exists(target));
+    EXPECT_EQ(file.path().extension(), ".glb");
+    file.commit();
+  }
+  EXPECT_EQ(content(target), "hello");
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(AtomicFileTest, LeavesTheOldFileWhenNotCommitted) {
+  const fs::path target = folder_ / "a.txt";
+  std::ofstream(target) << "old";
+  {
+    AtomicFile file(target);
+    file.write("new");
+  }
+  EXPECT_EQ(content(target), "old");
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(AtomicFileTest, SeeksBackIntoLargeFiles) {
+  const fs::path target = folder_ / "a.bin";
+  const std::string big(3'000'001, 'x');
+  AtomicFile file(target);
+  file.write("0000");
+  file.write(big);
+  EXPECT_EQ(file.position(), big.size() + 4);
+  file.seek(0);
+  file.write("1234");
+  EXPECT_EQ(file.position(), 4u);
+  file.commit();
+  EXPECT_EQ(content(target), "1234" + big);
+}
+
+TEST_F(AtomicFileTest, KeepsTheModeAndTheLink) {
+  const fs::path real = folder_ / "real.txt", link = folder_ / "link.txt";
+  std::ofstream(real) << "old";
+  fs::permissions(real, fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink("real.txt", link);
+  AtomicFile file(link);
+  file.write("new");
+  file.commit();
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(content(real), "new");
+  EXPECT_EQ(fs::status(real).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+TEST_F(AtomicFileTest, RefusesInOneSentence) {
+  EXPECT_THAT(sentence([&] { AtomicFile file(folder_); }), testing::HasSubstr("is a folder"));
+  EXPECT_THAT(sentence([&] { AtomicFile file(folder_ / "no" / "a.txt"); }),
+              testing::HasSubstr("a.txt: No such file or directory."));
+  EXPECT_THAT(sentence([&] { AtomicFile file("/dev/null"); }), testing::HasSubstr("not a plain file"));
+  EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(AtomicFileTest, FullDiskIsOneSentence) {
+  // A file-size limit makes write() fail as a full disk does.
+  rlimit old{};
+  ::getrlimit(RLIMIT_FSIZE, &old);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit low = old;
+  low.rlim_cur = 1 << 16;
+  ::setrlimit(RLIMIT_FSIZE, &low);
+  const std::string text = sentence([&] {
+    AtomicFile file(folder_ / "a.bin");
+    file.write(std::string(1 << 21, 'x'));
+    file.commit();
+  });
+  ::setrlimit(RLIMIT_FSIZE, &old);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_THAT(text, testing::HasSubstr("a.bin: File too large"));
+  EXPECT_EQ(files(), 0u);
+}
+
+}  // namespace
+}  // namespace tafoni
