@@ -1,0 +1,105 @@
+#pragma once
+// The scene document: plain settings, read from and written to TOML. Everything else is built from it.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tafoni/core/params.h"
+
+namespace tafoni::scene {
+
+/// [scene]
+struct SceneSettings {
+  std::int64_t seed = 0;
+  double voxel = 0;  ///< metres; 0: chosen from the terrain's pixel size and extent
+  std::string boundary = "solid";
+  double min_fragment = 100;  ///< m³; smaller floating pieces are removed
+  double simplify = 0;        ///< metres; 0: keep every triangle
+};
+const std::vector<ParamInfo>& scene_params();
+
+/// [terrain]. Either `source` or `generator` is set in a document that can be built.
+struct TerrainSettings {
+  std::string source;          ///< path, as the scene file says it
+  std::string generator;       ///< a registered generator; `values` are its parameters
+  std::vector<double> window;  ///< column, row, width, height in pixels of the source; empty: all
+  double resolution = 0;       ///< metres; 0: the source's own
+  double influence = 15;       ///< R, metres
+  double amplitude = 7.5;      ///< T, metres; R <= 3T
+  std::string interpolation = "bicubic";
+  std::string distance = "first-order";
+  double fill = 0;     ///< metres; 0: the terrain module's default
+  double smooth = 0;   ///< metres
+  std::string domain;  ///< path of a polygon file; empty: the whole raster
+  double base = 0;     ///< metres below the lowest elevation; 0: automatic
+  Values values;       ///< of the generator; only what differs from its defaults
+};
+const std::vector<ParamInfo>& terrain_params();
+
+/// One [[geology]]; several are blended.
+struct GeologySettings {
+  std::string type;
+  Values values;
+  int line = 0;  ///< of its header in Document::text; 0: not from there
+};
+
+/// What every [[layer]] can say besides its own type's parameters.
+struct LayerSettings {
+  std::string name;
+  bool enabled = true;
+  std::string region;            ///< path of a polygon file
+  std::vector<double> altitude;  ///< lo, hi: world elevations
+  std::vector<double> box;       ///< west, south, bottom, east, north, top: scene CRS
+  std::string mask;              ///< path of a raster
+  std::string points;            ///< path of a CSV of seed points
+  std::int64_t seed = -1;        ///< -1: made from the scene's seed and the layer's place
+};
+const std::vector<ParamInfo>& layer_params();
+
+/// One [[layer]]: a landform by name, or "primitives" with the path of a CSV.
+struct Layer {
+  std::string type;
+  LayerSettings settings;
+  Values values;
+  int line = 0;  ///< of its header in Document::text; 0: not from there
+};
+/// The parameters of a layer type beyond layer_params(). Throws Error{usage} naming the nearest known type.
+const std::vector<ParamInfo>& params_of_layer(std::string_view type);
+inline constexpr std::string_view primitives_layer = "primitives";
+
+struct Document {
+  std::filesystem::path directory;  ///< what relative paths are relative to
+  SceneSettings scene;
+  TerrainSettings terrain;
+  std::vector<GeologySettings> geology;
+  std::vector<Layer> layers;
+  std::string text;  ///< what it was read from, comments and all; empty for a new one
+
+  std::filesystem::path resolved(const std::string& path) const;
+};
+/// Whether both build the same thing: every setting, but neither `text` nor lines.
+bool same(const Document& a, const Document& b);
+
+/// Reads a document. `file` is for messages and gives the directory; no file is opened. Throws Error{input}:
+/// "FILE:LINE: KEY …" with the allowed range or the nearest known key.
+Document parse_scene(std::string_view text, const std::filesystem::path& file);
+Document load_scene(const std::filesystem::path& file);
+
+/// The document as TOML: `document.text` with only what changed edited, so that comments stay; a new text
+/// where there is none or where an edit would not read back as the same document.
+std::string to_text(const Document& document);
+/// Writes it, with paths relative to the new file, beside it and renamed. Throws Error{output}.
+void save_scene(const Document& document, const std::filesystem::path& file);
+
+/// `--set TARGET.NAME=TEXT`: the target is scene, terrain, a geology type, a layer's name or a layer type; all
+/// that match are set. Throws Error{usage}.
+void set(Document& document, std::string_view assignment);
+
+/// Checks what no single key can say: R <= 3T, source or generator, low < high. Throws Error{input}
+/// beginning with `where`.
+void check(const Document& document, std::string_view where);
+
+}  // namespace tafoni::scene
