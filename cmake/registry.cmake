@@ -1,5 +1,6 @@
 # One file per entry: DIR/<name>.cpp defines `const TYPE& KIND_<name>()` ('-' in the file name reads '_').
 # Writes a table of every entry, sorted by name, so that adding an entry edits no other file.
+# The table is all_<kind>s(), or all_<PLURAL>() where a seventh argument gives the plural.
 # (Objects that register themselves from a static initialiser are dropped by a static library.)
 function(tafoni_registry target kind dir header ns type)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/${dir}/*.cpp)
@@ -7,6 +8,10 @@ function(tafoni_registry target kind dir header ns type)
     return()
   endif()
   list(SORT sources)
+  set(plural ${kind}s)
+  if(ARGC GREATER 6)
+    set(plural ${ARGV6})
+  endif()
   set(declarations "")
   set(entries "")
   foreach(source IN LISTS sources)
@@ -21,7 +26,7 @@ function(tafoni_registry target kind dir header ns type)
 
 namespace ${ns} {
 ${declarations}
-std::span<const ${type}* const> all_${kind}s() {
+std::span<const ${type}* const> all_${plural}() {
   static const ${type}* const table[] = {
 ${entries}  };
   return table;
