@@ -1,0 +1,55 @@
+#pragma once
+// What the kinds of geology share.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <span>
+
+#include "tafoni/geology/geology.h"
+#include "tafoni/math/noise.h"
+
+namespace tafoni::geology::impl {
+
+/// A node that is faster over many points than one by one; kinds override raws() alone.
+class BatchGeology : public Geology {
+ public:
+  double raw(Vec3d p) const final {
+    double out = 0;
+    raws({&p, 1}, {&out, 1});
+    return out;
+  }
+  void raws(std::span<const Vec3d> points, std::span<double> out) const override = 0;
+};
+
+inline constexpr std::size_t noise_block = 256;
+
+/// Calls body(begin, n) over blocks that fit a noise buffer.
+template <class Body>
+void for_blocks(std::size_t size, const Body& body) {
+  for (std::size_t i = 0; i < size; i += noise_block) body(i, std::min(noise_block, size - i));
+}
+
+/// t(p * frequency) of one block, with an axis left out where its frequency is 0.
+struct Turbulence {
+  Vec3d frequency;  ///< 1 / m
+  int octaves = 3;
+  std::uint64_t seed = 0;
+
+  void sample(std::span<const Vec3d> world, std::span<float> t) const {
+    std::array<Vec3d, noise_block> scaled;
+    for (std::size_t i = 0; i < world.size(); ++i)
+      scaled[i] = {world[i].x * frequency.x, world[i].y * frequency.y, world[i].z * frequency.z};
+    fbm(std::span(scaled).first(world.size()), octaves, seed, t);
+  }
+};
+
+/// Upward unit normal of a plane that dips by `dip` degrees towards `azimuth`, degrees clockwise from north.
+inline Vec3d plane_normal(double dip, double azimuth) {
+  const double d = dip * std::numbers::pi / 180, a = azimuth * std::numbers::pi / 180;
+  return {std::sin(d) * std::sin(a), std::sin(d) * std::cos(a), std::cos(d)};
+}
+
+}  // namespace tafoni::geology::impl

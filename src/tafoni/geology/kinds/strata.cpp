@@ -1,0 +1,186 @@
+#include <algorithm>
+#include <cmath>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/random.h"
+#include "tafoni/geology/impl/rock.h"
+#include "tafoni/geology/kind.h"
+
+namespace tafoni::geology {
+namespace {
+
+struct Params {
+  std::vector<double> thickness = {14, 8, 11, 6};
+  std::vector<double> hardness = {0.85, 0.35, 0.75, 0.2};
+  double variation = 0.4;
+  double hardness_variation = 0.15;
+  double transition = 0.8;
+  double elevation = 0;
+  double dip = 0;
+  double azimuth = 90;
+  std::vector<double> position = {0, 0};
+  double waviness = 1.5;
+  double wave_length = 70;
+  double turbulence = 0.35;
+  double wavelength = 9;
+  std::int64_t octaves = 3;
+};
+
+const ParamTable<Params>& table() {
+  static const ParamTable<Params> params = [] {
+    ParamTable<Params> t;
+    t.numbers("thickness", &Params::thickness, "m", 0, 0.05, 10000,
+              "thicknesses of the beds from below, repeated without end")
+        .numbers("hardness", &Params::hardness, "", 0, 0, 1,
+                 "resistances of the beds from below, repeated without end")
+        .real("variation", &Params::variation, "", 0, 0.9, "share by which thicknesses vary at random")
+        .real("hardness_variation", &Params::hardness_variation, "", 0, 1,
+              "most that a bed's resistance differs at random from what is given")
+        .real("transition", &Params::transition, "m", 0, 100, "height over which one bed turns into the next")
+        .real("elevation", &Params::elevation, "m", -20000, 20000,
+              "world elevation of the foot of the first bed")
+        .real("dip", &Params::dip, "deg", 0, 90, "steepest descent of the beds")
+        .real("azimuth", &Params::azimuth, "deg", -360, 360,
+              "direction in which they descend, clockwise from north")
+        .numbers("position", &Params::position, "m", 2, -1e8, 1e8,
+                 "world x and y where a dipping first bed has its elevation")
+        .real("waviness", &Params::waviness, "m", 0, 1000, "most that a bed rises or sinks in gentle waves")
+        .real("wave_length", &Params::wave_length, "m", 1, 100000, "length of these waves")
+        .real("turbulence", &Params::turbulence, "", 0, 2,
+              "strength of small irregularities, such as joints and lenses")
+        .real("wavelength", &Params::wavelength, "m", 0.1, 10000, "size of the coarsest irregularities")
+        .integer("octaves", &Params::octaves, "", 1, 12, "levels of detail of the irregularities");
+    return t;
+  }();
+  return params;
+}
+
+std::int64_t wrapped(std::int64_t i, std::size_t n) {
+  const auto m = static_cast<std::int64_t>(n);
+  return ((i % m) + m) % m;
+}
+
+/// Beds stacked without end; bed i lies between boundaries i and i + 1. Distances are along the normal.
+class Stack {
+ public:
+  Stack(const Params& p, std::uint64_t seed) : p_(p), hardness_(seed, 1), boundary_(seed, 2) {
+    for (double t : p.thickness) {
+      feet_.push_back(cycle_);
+      cycle_ += t;
+    }
+  }
+
+  double at(double d) const {
+    const double turns = std::floor(d / cycle_);
+    const double rest = d - turns * cycle_;
+    const auto bed = std::upper_bound(feet_.begin(), feet_.end(), rest) - feet_.begin() - 1;
+    auto i = static_cast<std::int64_t>(turns) * static_cast<std::int64_t>(feet_.size()) +
+             std::max<std::int64_t>(bed, 0);
+    if (d < boundary(i))
+      --i;
+    else if (d >= boundary(i + 1))
+      ++i;
+    const double above_foot = d - boundary(i), below_top = boundary(i + 1) - d;
+    if (above_foot < below_top) return mixed(i - 1, i, above_foot, softness(i));
+    return mixed(i, i + 1, -below_top, softness(i + 1));
+  }
+
+ private:
+  double thickness(std::int64_t i) const { return p_.thickness[wrapped(i, p_.thickness.size())]; }
+  double thinner(std::int64_t i) const { return std::min(thickness(i - 1), thickness(i)); }
+
+  /// Shifted by less than half of the thinner neighbour, so that boundaries keep their order.
+  double boundary(std::int64_t i) const {
+    const std::int64_t k = wrapped(i, feet_.size());
+    const double nominal =
+        static_cast<double>((i - k) / static_cast<std::int64_t>(feet_.size())) * cycle_ + feet_[k];
+    return nominal + unit(boundary_, i) * 0.5 * p_.variation * thinner(i);
+  }
+
+  /// Half the width of the transition at a boundary; never reaches the transition of the next one.
+  double softness(std::int64_t i) const {
+    return std::min(0.5 * p_.transition, 0.5 * (1 - p_.variation) * thinner(i));
+  }
+
+  double bed(std::int64_t i) const {
+    const double given = p_.hardness[wrapped(i, p_.hardness.size())];
+    return std::clamp(given + p_.hardness_variation * unit(hardness_, i), 0.0, 1.0);
+  }
+
+  double mixed(std::int64_t below, std::int64_t above, double d, double half) const {
+    if (d >= half) return bed(above);
+    if (d <= -half) return bed(below);
+    const double s = (d + half) / (2 * half);
+    const double w = s * s * (3 - 2 * s);
+    return bed(below) * (1 - w) + bed(above) * w;
+  }
+
+  /// Uniform in [-1, 1).
+  static double unit(const Random& random, std::int64_t i) {
+    return static_cast<double>(random.at(static_cast<std::uint64_t>(i)) >> 11) * 0x1p-52 - 1;
+  }
+
+  Params p_;
+  Random hardness_, boundary_;
+  std::vector<double> feet_;
+  double cycle_ = 0;
+};
+
+class Node final : public impl::BatchGeology {
+ public:
+  Node(const Params& p, Vec3d origin, std::uint64_t seed)
+      : p_(p),
+        origin_(origin),
+        normal_(impl::plane_normal(p.dip, p.azimuth)),
+        stack_(p, hash_combine(seed, 0x7374)) {
+    const double wave = 1 / p.wave_length, f = 1 / p.wavelength;
+    waves_ = {{wave, wave, 0}, 2, hash_combine(seed, 0x7761)};
+    // Joints and lenses are longer than high.
+    rough_ = {{0.5 * f, 0.5 * f, f}, static_cast<int>(p.octaves), hash_combine(seed, 0x726f)};
+  }
+
+  void raws(std::span<const Vec3d> points, std::span<double> out) const override {
+    const Vec3d pivot{p_.position[0], p_.position[1], p_.elevation};
+    impl::for_blocks(points.size(), [&](std::size_t begin, std::size_t n) {
+      std::array<Vec3d, impl::noise_block> world;
+      std::array<float, impl::noise_block> wave{}, rough{};
+      for (std::size_t i = 0; i < n; ++i) world[i] = points[begin + i] + origin_;
+      if (p_.waviness > 0) waves_.sample(std::span(world).first(n), std::span(wave).first(n));
+      if (p_.turbulence > 0) rough_.sample(std::span(world).first(n), std::span(rough).first(n));
+      for (std::size_t i = 0; i < n; ++i) {
+        const double d =
+            dot(world[i] - pivot, normal_) + p_.waviness * (2.0 * static_cast<double>(wave[i]) - 1);
+        out[begin + i] = stack_.at(d) + p_.turbulence * (2.0 * static_cast<double>(rough[i]) - 1);
+      }
+    });
+  }
+
+ private:
+  Params p_;
+  Vec3d origin_, normal_;
+  Stack stack_;
+  impl::Turbulence waves_, rough_;
+};
+
+GeologyPtr make(const Values& values, std::vector<GeologyPtr>, Vec3d origin, std::uint64_t seed) {
+  Params p;
+  assign(table().infos(), &p, values, "strata");
+  if (p.thickness.empty()) fail(ErrorKind::usage, "strata: thickness must name at least one bed");
+  if (p.hardness.empty()) fail(ErrorKind::usage, "strata: hardness must name at least one bed");
+  return std::make_shared<Node>(p, origin, seed);
+}
+
+}  // namespace
+
+const GeologyType& geology_strata() {
+  static const GeologyType type{"strata",
+                                "Beds of hard and soft rock, one above the other",
+                                "Paris et al. 2019, section 4.2, as a sequence of beds",
+                                table().infos(),
+                                0,
+                                0,
+                                &make};
+  return type;
+}
+
+}  // namespace tafoni::geology

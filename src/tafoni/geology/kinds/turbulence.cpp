@@ -1,0 +1,80 @@
+#include <algorithm>
+
+#include "tafoni/core/random.h"
+#include "tafoni/geology/impl/rock.h"
+#include "tafoni/geology/kind.h"
+
+namespace tafoni::geology {
+namespace {
+
+struct Params {
+  double wavelength = 20;
+  double lateral = 150;
+  std::int64_t octaves = 4;
+  double contrast = 2.5;
+  double base = 0;
+  double strength = 1;
+};
+
+const ParamTable<Params>& table() {
+  static const ParamTable<Params> params = [] {
+    ParamTable<Params> t;
+    t.real("wavelength", &Params::wavelength, "m", 0.1, 10000, "vertical size of the coarsest variation")
+        .real("lateral", &Params::lateral, "m", 0, 100000,
+              "horizontal size of the coarsest variation, 0 for beds that never change sideways")
+        .integer("octaves", &Params::octaves, "", 1, 12, "levels of detail")
+        .real("contrast", &Params::contrast, "", 0.1, 20,
+              "gain about the middle, since plain noise keeps to middle values")
+        .real("base", &Params::base, "", -1, 1, "resistance where the turbulence is 0")
+        .real("strength", &Params::strength, "", -1, 1, "resistance added where the turbulence is 1");
+    return t;
+  }();
+  return params;
+}
+
+class Node final : public impl::BatchGeology {
+ public:
+  Node(const Params& p, Vec3d origin, std::uint64_t seed) : p_(p), origin_(origin) {
+    const double lateral = p.lateral > 0 ? 1 / p.lateral : 0;
+    noise_ = {{lateral, lateral, 1 / p.wavelength}, static_cast<int>(p.octaves), hash_combine(seed, 0x7462)};
+  }
+
+  void raws(std::span<const Vec3d> points, std::span<double> out) const override {
+    impl::for_blocks(points.size(), [&](std::size_t begin, std::size_t n) {
+      std::array<Vec3d, impl::noise_block> world;
+      std::array<float, impl::noise_block> t;
+      for (std::size_t i = 0; i < n; ++i) world[i] = points[begin + i] + origin_;
+      noise_.sample(std::span(world).first(n), std::span(t).first(n));
+      for (std::size_t i = 0; i < n; ++i) {
+        const double gained = std::clamp(0.5 + (static_cast<double>(t[i]) - 0.5) * p_.contrast, 0.0, 1.0);
+        out[begin + i] = p_.base + p_.strength * gained;
+      }
+    });
+  }
+
+ private:
+  Params p_;
+  Vec3d origin_;
+  impl::Turbulence noise_;
+};
+
+GeologyPtr make(const Values& values, std::vector<GeologyPtr>, Vec3d origin, std::uint64_t seed) {
+  Params p;
+  assign(table().infos(), &p, values, "turbulence");
+  return std::make_shared<Node>(p, origin, seed);
+}
+
+}  // namespace
+
+const GeologyType& geology_turbulence() {
+  static const GeologyType type{"turbulence",
+                                "Beds and lenses from fractal noise of the elevation",
+                                "Paris et al. 2019, section 4.1",
+                                table().infos(),
+                                0,
+                                0,
+                                &make};
+  return type;
+}
+
+}  // namespace tafoni::geology

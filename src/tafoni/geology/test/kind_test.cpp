@@ -1,0 +1,128 @@
+#include "tafoni/geology/kind.h"
+
+#include <algorithm>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/random.h"
+
+namespace tafoni::geology {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<Vec3d> cloud_of_points(std::size_t n, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Vec3d> points(n);
+  for (Vec3d& p : points)
+    p = {random.uniform(-300, 300), random.uniform(-300, 300), random.uniform(-80, 200)};
+  return points;
+}
+
+/// Any kind, with leaves where it wants children.
+GeologyPtr any(const GeologyType& type, Vec3d origin, std::uint64_t seed) {
+  std::vector<GeologyPtr> children;
+  for (std::size_t i = 0; i < type.min_children; ++i)
+    children.push_back(make_geology("turbulence", {}, {}, origin, seed + i));
+  return make_geology(type.name, {}, children, origin, seed);
+}
+
+std::string error_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::usage);
+    return e.what();
+  }
+  return "no error";
+}
+
+class EveryKind : public testing::TestWithParam<const GeologyType*> {};
+
+TEST_P(EveryKind, IsDeclaredInFull) {
+  const GeologyType& type = *GetParam();
+  EXPECT_EQ(&find_geology(type.name), &type);
+  EXPECT_FALSE(type.doc.empty());
+  EXPECT_THAT(type.source, HasSubstr("section"));
+  EXPECT_LE(type.min_children, type.max_children);
+  for (const ParamInfo& info : type.params) {
+    EXPECT_FALSE(info.doc.empty()) << info.name;
+    EXPECT_NE(info.doc.back(), '.') << info.name;
+    EXPECT_EQ(checked(info, info.init, type.name), info.init) << info.name;
+  }
+}
+
+TEST_P(EveryKind, ManyPointsGiveWhatOneByOneGives) {
+  const auto points = cloud_of_points(3000, 5);
+  const GeologyPtr g = any(*GetParam(), {500000, 4000000, 30}, 9);
+  std::vector<double> out(points.size());
+  g->raws(points, out);
+  for (std::size_t i = 0; i < points.size(); ++i) ASSERT_EQ(out[i], g->raw(points[i]));
+  std::vector<float> rho(points.size());
+  g->resistances(points, rho);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    ASSERT_EQ(rho[i], static_cast<float>(g->resistance(points[i])));
+}
+
+TEST_P(EveryKind, DoesNotDependOnTheOrigin) {
+  const Vec3d a{400000, 3800000, 0}, b{400256, 3799872, 64};
+  const GeologyPtr in_a = any(*GetParam(), a, 3), in_b = any(*GetParam(), b, 3);
+  for (Vec3d p : cloud_of_points(500, 6)) {
+    p = {std::floor(p.x), std::floor(p.y), std::floor(p.z)};  // exact in either frame
+    ASSERT_EQ(in_a->raw(p), in_b->raw(p + a - b));
+  }
+}
+
+TEST_P(EveryKind, SeedsChangeTheRock) {
+  const GeologyPtr a = any(*GetParam(), {}, 1), b = any(*GetParam(), {}, 1), c = any(*GetParam(), {}, 2);
+  double differ = 0;
+  for (Vec3d p : cloud_of_points(200, 7)) {
+    ASSERT_EQ(a->raw(p), b->raw(p));
+    differ += std::abs(a->raw(p) - c->raw(p));
+  }
+  EXPECT_GT(differ / 200, 0.01);
+}
+
+TEST_P(EveryKind, DefaultsUseTheRangeOfResistance) {
+  const GeologyPtr g = any(*GetParam(), {}, 11);
+  auto points = cloud_of_points(20000, 8);
+  std::vector<float> rho(points.size());
+  g->resistances(points, rho);
+  std::sort(rho.begin(), rho.end());
+  EXPECT_GE(rho.front(), 0);
+  EXPECT_LE(rho.back(), 1);
+  EXPECT_GT(rho[rho.size() * 9 / 10] - rho[rho.size() / 10], 0.35) << "too even to show beds";
+  const auto saturated = std::count_if(rho.begin(), rho.end(), [](float r) { return r <= 0 || r >= 1; });
+  EXPECT_LT(saturated, 4000);
+}
+
+TEST_P(EveryKind, RejectsUnknownParametersAndChildren) {
+  const GeologyType& type = *GetParam();
+  std::vector<GeologyPtr> children(type.max_children + 1, make_geology("turbulence", {}, {}, {}, 0));
+  EXPECT_THAT(error_of([&] { make_geology(type.name, {}, children, {}, 0); }), HasSubstr("children"));
+  children.resize(type.min_children);
+  EXPECT_THAT(error_of([&] {
+                make_geology(type.name, {{"nonsense", 1.0}}, children, {}, 0);
+              }),
+              HasSubstr(type.name + ": unknown parameter \"nonsense\""));
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, EveryKind,
+                         testing::ValuesIn(all_geologies().begin(), all_geologies().end()),
+                         [](const auto& tested) { return tested.param->name; });
+
+TEST(Kind, UnknownNameGetsTheNearest) {
+  EXPECT_EQ(error_of([] { find_geology("starta"); }), "unknown geology \"starta\"; did you mean \"strata\"?");
+  EXPECT_THAT(error_of([] { find_geology("granite"); }), HasSubstr("known are blend, "));
+}
+
+TEST(Kind, DefaultGeologyIsStrata) {
+  const Vec3d p{3, 4, 5};
+  EXPECT_EQ(default_geology({}, 3)->raw(p), make_geology("strata", {}, {}, {}, 3)->raw(p));
+}
+
+}  // namespace
+}  // namespace tafoni::geology
