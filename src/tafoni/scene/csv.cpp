@@ -162,7 +162,8 @@ std::vector<Vec3d> parse_points_csv(std::string_view text, std::string_view name
     for (std::size_t axis = 0; axis < 3; ++axis) {
       std::size_t i = 0;
       while (i < width && lower(lines.fields()[i]) != titles[axis]) ++i;
-      if (i == width) lines.bad("column {} is missing; expected a header with the columns x,y,z", titles[axis]);
+      if (i == width)
+        lines.bad("column {} is missing; expected a header with the columns x,y,z", titles[axis]);
       column[axis] = i;
     }
   }
@@ -170,8 +171,8 @@ std::vector<Vec3d> parse_points_csv(std::string_view text, std::string_view name
   for (bool more = headless || lines.next(); more; more = lines.next()) {
     if (lines.fields().size() != width)
       lines.bad("has {} fields where the first line has {}", lines.fields().size(), width);
-    out.push_back({lines.number_at(column[0], "x"), lines.number_at(column[1], "y"),
-                   lines.number_at(column[2], "z")});
+    out.push_back(
+        {lines.number_at(column[0], "x"), lines.number_at(column[1], "y"), lines.number_at(column[2], "z")});
   }
   return out;
 }

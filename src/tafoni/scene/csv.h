@@ -12,11 +12,11 @@ namespace tafoni::scene {
 
 /// One row of a primitives file (DESIGN 6): adds energy * g(distance).
 struct Primitive {
-  bool sphere = false;   ///< constant inside the radius, falling off over the terrain's R; else a point,
-                         ///< whose falloff is the radius
-  Vec3d position;        ///< world, scene CRS, metres
-  float radius = 0;      ///< metres
-  float energy = 0;      ///< metres; negative carves
+  bool sphere = false;  ///< constant inside the radius, falling off over the terrain's R; else a point,
+                        ///< whose falloff is the radius
+  Vec3d position;       ///< world, scene CRS, metres
+  float radius = 0;     ///< metres
+  float energy = 0;     ///< metres; negative carves
   std::uint32_t line = 0;
 };
 

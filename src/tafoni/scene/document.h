@@ -31,11 +31,14 @@ struct TerrainSettings {
   double amplitude = 7.5;      ///< T, metres; R <= 3T
   std::string interpolation = "bicubic";
   std::string distance = "first-order";
-  double fill = 0;     ///< metres; 0: the terrain module's default
-  double smooth = 0;   ///< metres
-  std::string domain;  ///< path of a polygon file; empty: the whole raster
-  double base = 0;     ///< metres below the lowest elevation; 0: automatic
-  Values values;       ///< of the generator; only what differs from its defaults
+  double fill = -1;         ///< metres, io::DemOptions::fill_distance; -1: eight pixels
+  bool smooth = false;      ///< removes the terraces of stepped data
+  std::int64_t band = 0;    ///< 0: the one that holds elevations
+  double pixel_size = 0;    ///< metres, of a file without georeference; 0: 1 m
+  double height_scale = 0;  ///< metres a stored unit; 0: the file's own
+  double depth = 0;         ///< metres of rock below the R that is always there
+  std::string domain;       ///< path of a polygon file; empty: the whole raster
+  Values values;            ///< of the generator; only what differs from its defaults
 };
 const std::vector<ParamInfo>& terrain_params();
 
@@ -94,8 +97,8 @@ std::string to_text(const Document& document);
 /// Writes it, with paths relative to the new file, beside it and renamed. Throws Error{output}.
 void save_scene(const Document& document, const std::filesystem::path& file);
 
-/// `--set TARGET.NAME=TEXT`: the target is scene, terrain, a geology type, a layer's name or a layer type; all
-/// that match are set. Throws Error{usage}.
+/// `--set TARGET.NAME=TEXT`: the target is scene, terrain, a geology type, a layer's name or a layer type;
+/// all that match are set. Throws Error{usage}.
 void set(Document& document, std::string_view assignment);
 
 /// Checks what no single key can say: R <= 3T, source or generator, low < high. Throws Error{input}

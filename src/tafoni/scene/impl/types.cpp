@@ -1,0 +1,75 @@
+#include "tafoni/scene/impl/types.h"
+
+#include <algorithm>
+
+#include "tafoni/core/error.h"
+#include "tafoni/geology/kind.h"
+#include "tafoni/landforms/landform.h"
+#include "tafoni/scene/document.h"
+#include "tafoni/terrain/generator.h"
+
+namespace tafoni::scene {
+
+const std::vector<ParamInfo>& params_of_layer(std::string_view type) {
+  struct Primitives {
+    std::string file;
+  };
+  static const std::vector<ParamInfo> primitives = ParamTable<Primitives>().text(
+      "file", &Primitives::file, "Path of a CSV with the columns kind, x, y, z, radius, energy");
+  if (type == primitives_layer) return primitives;
+
+  std::vector<std::string> known = {std::string(primitives_layer)};
+  for (const landforms::LandformType* landform : landforms::all_landforms()) {
+    if (landform->name == type) return landform->params;
+    known.push_back(landform->name);
+  }
+  std::string list;
+  for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
+  const std::string near = nearest(type.substr(0, 100), known);
+  fail(ErrorKind::usage, "unknown layer type \"{}\"; {}", type.substr(0, 100),
+       near.empty() ? "known are " + list : fmt::format("did you mean \"{}\"?", near));
+}
+
+namespace impl {
+
+const std::vector<ParamInfo>& params_of_generator(std::string_view name) {
+  return terrain::find_generator(name).params;
+}
+
+const std::vector<ParamInfo>& params_of_geology(std::string_view type) {
+  return geology::find_geology(type).params;
+}
+
+std::vector<ParamInfo> joined(std::span<const ParamInfo> common, std::span<const ParamInfo> own) {
+  std::vector<ParamInfo> out(common.begin(), common.end());
+  out.insert(out.end(), own.begin(), own.end());
+  return out;
+}
+
+namespace {
+
+bool has(std::span<const ParamInfo> infos, std::string_view name) {
+  return std::any_of(infos.begin(), infos.end(), [&](const ParamInfo& info) { return info.name == name; });
+}
+
+}  // namespace
+
+Value loaded(std::span<const ParamInfo> common, const void* object, const Values& own,
+             const ParamInfo& info) {
+  if (has(common, info.name)) return info.load(info, object);
+  const auto found = own.find(info.name);
+  return found == own.end() ? info.init : found->second;
+}
+
+void store(std::span<const ParamInfo> common, void* object, Values& own, const ParamInfo& info,
+           const Value& value) {
+  if (has(common, info.name))
+    info.store(info, object, value);
+  else if (value == info.init)
+    own.erase(info.name);
+  else
+    own.insert_or_assign(info.name, value);
+}
+
+}  // namespace impl
+}  // namespace tafoni::scene
