@@ -3,12 +3,12 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <iosfwd>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "tafoni/core/atomic_file.h"
 #include "tafoni/core/params.h"
 #include "tafoni/core/progress.h"
 #include "tafoni/mesh/mesh.h"
@@ -29,12 +29,12 @@ struct FormatType {
   std::vector<std::string> extensions;  ///< lower case, without the dot; the first is the usual one
   std::vector<ParamInfo> params;
 
-  /// Writes to a binary stream; the caller checks the stream and renames the file. Throws Error{output} for a
+  /// Writes the whole file; the caller commits it. The mesh has triangles. Throws Error{output}, also for a
   /// mesh that the format cannot hold.
-  void (*write_mesh)(std::ostream&, const mesh::Mesh&, const MeshMetadata&, Progress&) = nullptr;
+  void (*write_mesh)(AtomicFile&, const mesh::Mesh&, const MeshMetadata&, Progress&) = nullptr;
   /// Reads a whole file that lies in memory. `file` is for error texts. Throws Error{input}.
   mesh::Mesh (*read_mesh)(std::span<const std::byte> bytes, std::string_view file) = nullptr;
-  void (*write_image)(std::ostream&, const raster::Image&) = nullptr;
+  void (*write_image)(AtomicFile&, const raster::Image&) = nullptr;
 };
 
 /// Every format, sorted by name; the table is written by CMake from the folder's files: formats/NAME.cpp

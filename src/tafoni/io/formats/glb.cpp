@@ -1,0 +1,314 @@
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "tafoni/io/format.h"
+#include "tafoni/io/impl/glb_json.h"
+#include "tafoni/io/impl/reading.h"
+#include "tafoni/io/impl/writing.h"
+
+namespace tafoni::io {
+namespace {
+
+using impl::GltfAccessor;
+using impl::GltfDocument;
+using impl::Json;
+using impl::Matrix;
+
+constexpr std::uint32_t glb_magic = 0x46546c67, json_chunk = 0x4e4f534a, binary_chunk = 0x004e4942;
+constexpr int gl_ubyte = 5121, gl_ushort = 5123, gl_uint = 5125, gl_float = 5126, gl_array = 34962,
+              gl_elements = 34963;
+
+/// East, north, up to glTF's x right, y up, z towards the viewer: a rotation, so triangles keep their turn.
+constexpr Vec3f y_up(Vec3f p) {
+  return {p.x, p.z, 0.0f - p.y};
+}
+
+Json to_json(const Value& value) {
+  return std::visit([](const auto& v) { return Json(v); }, value);
+}
+
+/// The parts of the binary chunk, one after the other; each is a multiple of four bytes.
+class Layout {
+ public:
+  explicit Layout(Json& json) : json_(json) {}
+  /// Adds a buffer view with one accessor; returns the accessor's index.
+  int add(std::uint64_t bytes, int target, Json accessor) {
+    accessor["bufferView"] = static_cast<int>(json_["bufferViews"].size());
+    json_["bufferViews"].push_back(
+        {{"buffer", 0}, {"byteOffset", size_}, {"byteLength", bytes}, {"target", target}});
+    json_["accessors"].push_back(std::move(accessor));
+    size_ += bytes;
+    return static_cast<int>(json_["accessors"].size()) - 1;
+  }
+  std::uint64_t size() const { return size_; }
+
+ private:
+  Json& json_;
+  std::uint64_t size_ = 0;
+};
+
+Json position_accessor(const mesh::Mesh& mesh) {
+  Box3f box;
+  for (const Vec3f p : mesh.positions) box.expand(y_up(p));
+  return {{"componentType", gl_float},
+          {"type", "VEC3"},
+          {"count", mesh.positions.size()},
+          {"min", {box.lo.x, box.lo.y, box.lo.z}},
+          {"max", {box.hi.x, box.hi.y, box.hi.z}}};
+}
+
+Json extras_of(const mesh::Mesh& mesh, const MeshMetadata& metadata) {
+  Json extras = {{"world_origin", {mesh.origin.x, mesh.origin.y, mesh.origin.z}},
+                 {"world_axes", "x east, y up, z south; metres"}};
+  if (!metadata.crs.empty()) extras["crs"] = metadata.crs;
+  for (const auto& [name, value] : metadata.generator) extras["generator"][name] = to_json(value);
+  return extras;
+}
+
+Json document_of(const mesh::Mesh& mesh, const MeshMetadata& metadata) {
+  const std::uint64_t vertices = mesh.positions.size();
+  Json json = {{"asset", {{"version", "2.0"}, {"generator", "tafoni"}}}};
+  Layout layout(json);
+  Json attributes;
+  attributes["POSITION"] = layout.add(vertices * 12, gl_array, position_accessor(mesh));
+  if (!mesh.normals.empty())
+    attributes["NORMAL"] = layout.add(vertices * 12, gl_array,
+                                      {{"componentType", gl_float}, {"type", "VEC3"}, {"count", vertices}});
+  if (!mesh.colors.empty())
+    attributes["COLOR_0"] = layout.add(
+        vertices * 4, gl_array,
+        {{"componentType", gl_ubyte}, {"normalized", true}, {"type", "VEC4"}, {"count", vertices}});
+  const int indices =
+      layout.add(mesh.triangles.size() * 12, gl_elements,
+                 {{"componentType", gl_uint}, {"type", "SCALAR"}, {"count", mesh.triangles.size() * 3}});
+  json["buffers"] = Json::array({{{"byteLength", layout.size()}}});
+  json["materials"] = Json::array(
+      {{{"name", "rock"},
+        {"doubleSided", true},
+        {"pbrMetallicRoughness",
+         {{"baseColorFactor", mesh.colors.empty() ? Json{0.28, 0.25, 0.21, 1.0} : Json{1.0, 1.0, 1.0, 1.0}},
+          {"metallicFactor", 0.0},
+          {"roughnessFactor", 0.95}}}}});
+  json["meshes"] = Json::array(
+      {{{"name", metadata.name},
+        {"primitives",
+         Json::array({{{"attributes", attributes}, {"indices", indices}, {"material", 0}, {"mode", 4}}})}}});
+  json["nodes"] =
+      Json::array({{{"name", metadata.name}, {"mesh", 0}, {"extras", extras_of(mesh, metadata)}}});
+  json["scenes"] = Json::array({{{"name", metadata.name}, {"nodes", {0}}}});
+  json["scene"] = 0;
+  return json;
+}
+
+void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata& metadata, Progress& progress) {
+  const std::uint64_t vertices = mesh.positions.size();
+  const Json json = document_of(mesh, metadata);
+  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const std::uint64_t binary = json["buffers"][0]["byteLength"];
+  const std::uint64_t total = 12 + 8 + text.size() + 8 + binary;
+  if (total > 0xffffffffull)
+    fail(ErrorKind::output,
+         "A GLB file holds at most 4 GiB and this mesh takes {:.1f} GiB; write PLY, tiles or a simplified "
+         "mesh.",
+         static_cast<double>(total) / (1u << 30));
+
+  std::string header;
+  for (const std::uint64_t word : {std::uint64_t{glb_magic}, std::uint64_t{2}, total,
+                                   std::uint64_t{text.size()}, std::uint64_t{json_chunk}})
+    impl::put(header, static_cast<std::uint32_t>(word));
+  header += text;
+  impl::put(header, static_cast<std::uint32_t>(binary));
+  impl::put(header, binary_chunk);
+  out.write(header);
+  impl::write_items(out, vertices, progress,
+                    [&](std::string& block, std::size_t i) { impl::put(block, y_up(mesh.positions[i])); });
+  impl::write_items(out, mesh.normals.size(), silent(),
+                    [&](std::string& block, std::size_t i) { impl::put(block, y_up(mesh.normals[i])); });
+  impl::write_items(out, mesh.colors.size(), silent(),
+                    [&](std::string& block, std::size_t i) { impl::put(block, mesh.colors[i]); });
+  impl::write_items(out, mesh.triangles.size(), progress,
+                    [&](std::string& block, std::size_t i) { impl::put(block, mesh.triangles[i]); });
+}
+
+/// Gathers the triangles of every node of the default scene, in world axes.
+class Reader {
+ public:
+  Reader(const GltfDocument& document, std::size_t file_bytes)
+      : document_(document), budget_(std::min<std::uint64_t>(16 * file_bytes, 0xffffffff)) {}
+
+  mesh::Mesh run() {
+    struct Visit {
+      std::uint64_t node;
+      Matrix parent;
+    };
+    // A tree visits no node twice; more visits than nodes mean a cycle.
+    std::uint64_t visits = 0;
+    std::vector<Visit> open;
+    for (const std::uint64_t root : document_.roots())
+      open.push_back({root, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}});
+    while (!open.empty()) {
+      const Visit visit = open.back();
+      open.pop_back();
+      if (++visits > document_.size("nodes")) document_.fail_read("its nodes form a cycle");
+      const Json& node = document_.at("nodes", visit.node);
+      const Matrix matrix = impl::multiply(visit.parent, document_.transform(node));
+      for (const std::uint64_t child : document_.indices(node, "children")) open.push_back({child, matrix});
+      if (node.contains("mesh")) add_mesh(document_.at("meshes", document_.whole(node, "mesh", 0)), matrix);
+      read_origin(node);
+    }
+    if (mesh_.triangles.empty()) document_.fail_read("it holds no triangles");
+    if (!all_normals_) mesh_.normals.clear();
+    if (!all_colors_) mesh_.colors.clear();
+    return std::move(mesh_);
+  }
+
+ private:
+  void read_origin(const Json& node) {
+    const auto extras = node.find("extras");
+    if (extras == node.end() || !extras->is_object() || !extras->contains("world_origin")) return;
+    const Json& o = (*extras)["world_origin"];
+    if (o.is_array() && o.size() == 3 && o[0].is_number() && o[1].is_number() && o[2].is_number())
+      mesh_.origin = {o[0].get<double>(), o[1].get<double>(), o[2].get<double>()};
+  }
+
+  void add_mesh(const Json& mesh, const Matrix& matrix) {
+    const auto primitives = mesh.find("primitives");
+    if (primitives == mesh.end() || !primitives->is_array()) return;
+    for (const Json& primitive : *primitives) {
+      if (!primitive.is_object()) document_.fail_read("a primitive is not an object");
+      const std::uint64_t mode = document_.whole(primitive, "mode", 4);
+      if (mode == 5 || mode == 6) document_.fail_read("it has triangle strips or fans");
+      if (mode == 4) add_primitive(primitive, matrix);
+    }
+  }
+
+  void add_primitive(const Json& primitive, const Matrix& m) {
+    const auto found = primitive.find("attributes");
+    if (found == primitive.end() || !found->is_object()) document_.fail_read("a primitive has no attributes");
+    const Json& attributes = *found;
+    if (!attributes.contains("POSITION")) document_.fail_read("a primitive has no POSITION");
+    const GltfAccessor positions = document_.accessor(document_.whole(attributes, "POSITION", 0));
+    if (positions.components != 3) document_.fail_read("POSITION is not VEC3");
+    const std::uint64_t base = mesh_.positions.size(), count = positions.count;
+    spend(count);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const double x = positions.value(i, 0), y = positions.value(i, 1), z = positions.value(i, 2);
+      const double wx = m[0] * x + m[4] * y + m[8] * z + m[12], wy = m[1] * x + m[5] * y + m[9] * z + m[13],
+                   wz = m[2] * x + m[6] * y + m[10] * z + m[14];
+      mesh_.positions.push_back(to_float({wx, -wz, wy}));
+    }
+    add_normals(attributes, count, m);
+    add_colors(attributes, count);
+    add_triangles(primitive, base, count);
+  }
+
+  void add_normals(const Json& attributes, std::uint64_t count, const Matrix& m) {
+    const std::uint64_t base = mesh_.normals.size();
+    mesh_.normals.resize(base + count);
+    all_normals_ &= attributes.contains("NORMAL");
+    if (!all_normals_) return;
+    const GltfAccessor normals = document_.accessor(document_.whole(attributes, "NORMAL", 0));
+    if (normals.components != 3 || normals.count != count)
+      document_.fail_read("NORMAL does not fit POSITION");
+    // The cofactors of m turn normals, whatever the scale.
+    const Vec3d a{m[0], m[1], m[2]}, b{m[4], m[5], m[6]}, c{m[8], m[9], m[10]};
+    const bool plain = a == Vec3d{1, 0, 0} && b == Vec3d{0, 1, 0} && c == Vec3d{0, 0, 1};
+    const double turn = dot(cross(a, b), c) < 0 ? -1 : 1;
+    const Vec3d bc = cross(b, c) * turn, ca = cross(c, a) * turn, ab = cross(a, b) * turn;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const Vec3d n{normals.value(i, 0), normals.value(i, 1), normals.value(i, 2)};
+      const Vec3d w = plain ? n : normalized(bc * n.x + ca * n.y + ab * n.z);
+      mesh_.normals[base + i] = to_float({w.x, -w.z, w.y});
+    }
+  }
+
+  void add_colors(const Json& attributes, std::uint64_t count) {
+    const std::uint64_t base = mesh_.colors.size();
+    mesh_.colors.resize(base + count, {255, 255, 255, 255});
+    all_colors_ &= attributes.contains("COLOR_0");
+    if (!all_colors_) return;
+    const GltfAccessor colors = document_.accessor(document_.whole(attributes, "COLOR_0", 0));
+    if (colors.components < 3 || colors.count != count) document_.fail_read("COLOR_0 does not fit POSITION");
+    for (std::uint64_t i = 0; i < count; ++i)
+      for (int k = 0; k < colors.components; ++k) {
+        const double v = colors.value(i, k);
+        mesh_.colors[base + i][static_cast<std::size_t>(k)] =
+            static_cast<std::uint8_t>(v > 0 ? std::min(v, 1.0) * 255 + 0.5 : 0.0);
+      }
+  }
+
+  void add_triangles(const Json& primitive, std::uint64_t base, std::uint64_t count) {
+    const auto corner = [&](std::uint64_t v) {
+      if (v >= count) document_.fail_read(fmt::format("an index names vertex {} of {}", v, count));
+      return static_cast<std::uint32_t>(base + v);
+    };
+    if (!primitive.contains("indices")) {
+      for (std::uint64_t i = 0; i + 2 < count; i += 3)
+        mesh_.triangles.push_back({corner(i), corner(i + 1), corner(i + 2)});
+      return;
+    }
+    const GltfAccessor indices = document_.accessor(document_.whole(primitive, "indices", 0));
+    if (indices.components != 1 ||
+        (indices.component != gl_ubyte && indices.component != gl_ushort && indices.component != gl_uint))
+      document_.fail_read("indices are not whole numbers");
+    spend(indices.count);
+    for (std::uint64_t i = 0; i + 2 < indices.count; i += 3)
+      mesh_.triangles.push_back(
+          {corner(indices.index(i)), corner(indices.index(i + 1)), corner(indices.index(i + 2))});
+  }
+
+  /// Instances multiply a small file; this bound keeps a hostile one from filling the memory.
+  void spend(std::uint64_t items) {
+    if (items > budget_) document_.fail_read("its nodes repeat the same data too often");
+    budget_ -= items;
+  }
+
+  const GltfDocument& document_;
+  std::uint64_t budget_;
+  mesh::Mesh mesh_;
+  bool all_normals_ = true, all_colors_ = true;
+};
+
+mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
+  const auto bad = [&](std::string_view what) {
+    fail(ErrorKind::input, "{}: {}; the file is damaged or is not a GLB file.", file, what);
+  };
+  if (bytes.size() < 20 || impl::load<std::uint32_t>(bytes, 0) != glb_magic) bad("the GLB header is missing");
+  if (impl::load<std::uint32_t>(bytes, 4) != 2) bad("its version is not 2");
+  if (impl::load<std::uint32_t>(bytes, 8) > bytes.size()) bad("it is shorter than its header says");
+  const std::uint64_t json_bytes = impl::load<std::uint32_t>(bytes, 12);
+  if (impl::load<std::uint32_t>(bytes, 16) != json_chunk || json_bytes > bytes.size() - 20)
+    bad("the JSON chunk is missing or truncated");
+  std::span<const std::byte> binary;
+  const std::size_t next = 20 + json_bytes;
+  if (bytes.size() >= next + 8 && impl::load<std::uint32_t>(bytes, next + 4) == binary_chunk) {
+    const std::uint64_t size = impl::load<std::uint32_t>(bytes, next);
+    if (size > bytes.size() - next - 8) bad("the binary chunk is truncated");
+    binary = bytes.subspan(next + 8, size);
+  }
+  const std::string_view text = impl::as_text(bytes.subspan(20, json_bytes));
+  Json json = Json::parse(text.begin(), text.end(), nullptr, false);
+  if (!json.is_object()) bad("its JSON cannot be parsed");
+  const GltfDocument document(std::move(json), binary, file);
+  return Reader(document, bytes.size()).run();
+}
+
+}  // namespace
+
+const FormatType& format_glb() {
+  static const FormatType type{.name = "glb",
+                               .doc =
+                                   "glTF 2.0 binary with normals and vertex colours, y up; the world origin "
+                                   "and CRS stand in the node's extras",
+                               .source = "Khronos glTF 2.0, ISO/IEC 12113",
+                               .extensions = {"glb"},
+                               .params = {},
+                               .write_mesh = write,
+                               .read_mesh = read,
+                               .write_image = nullptr};
+  return type;
+}
+
+}  // namespace tafoni::io

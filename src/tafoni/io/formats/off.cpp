@@ -1,0 +1,65 @@
+#include <algorithm>
+#include <string>
+
+#include "tafoni/io/format.h"
+#include "tafoni/io/impl/reading.h"
+
+namespace tafoni::io {
+namespace {
+
+mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
+  impl::TextCursor cursor(impl::as_text(bytes), file);
+  std::string_view word = cursor.token_anywhere();
+  if (word == "OFF" || word == "COFF" || word == "NOFF" || word == "CNOFF")
+    word = cursor.token_anywhere();
+  else if (word.empty() || word.find_first_not_of("0123456789") != word.npos)
+    cursor.fail_here("the header OFF is missing");
+  const std::int64_t vertices = cursor.integer(word);
+  const std::int64_t faces = cursor.integer(cursor.token_anywhere());
+  cursor.rest_of_line();
+  // The shortest vertex is "0 0 0\n" and the shortest face "3 0 1 2\n" or "0\n": a hostile count cannot
+  // allocate more than a small multiple of the file.
+  const auto left = static_cast<std::int64_t>(cursor.left());
+  if (vertices < 0 || faces < 0 || vertices > left / 6 + 1 || faces > left / 2 + 1)
+    cursor.fail_here("more vertices or faces are announced than the file can hold");
+
+  mesh::Mesh mesh;
+  mesh.positions.reserve(static_cast<std::size_t>(vertices));
+  for (std::int64_t i = 0; i < vertices; ++i) {
+    Vec3d p;
+    p.x = cursor.number(cursor.token_anywhere());
+    p.y = cursor.number(cursor.token());
+    p.z = cursor.number(cursor.token());
+    mesh.positions.push_back(to_float(p));
+    cursor.rest_of_line();
+  }
+  std::vector<std::uint32_t> polygon;
+  for (std::int64_t i = 0; i < faces; ++i) {
+    const std::int64_t corners = cursor.integer(cursor.token_anywhere());
+    polygon.clear();
+    for (std::int64_t k = 0; k < corners; ++k) {
+      const std::int64_t v = cursor.integer(cursor.token());
+      if (v < 0 || v >= vertices) cursor.fail_here("a face names a vertex that is not there");
+      polygon.push_back(static_cast<std::uint32_t>(v));
+    }
+    impl::add_fan(mesh.triangles, polygon);
+    cursor.rest_of_line();
+  }
+  return mesh;
+}
+
+}  // namespace
+
+const FormatType& format_off() {
+  static const FormatType type{.name = "off",
+                               .doc = "Object file format, text, read only; polygons become triangles",
+                               .source = "Geomview manual, OFF",
+                               .extensions = {"off"},
+                               .params = {},
+                               .write_mesh = nullptr,
+                               .read_mesh = read,
+                               .write_image = nullptr};
+  return type;
+}
+
+}  // namespace tafoni::io

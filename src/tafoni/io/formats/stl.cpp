@@ -1,0 +1,94 @@
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "tafoni/io/format.h"
+#include "tafoni/io/impl/reading.h"
+#include "tafoni/io/impl/writing.h"
+
+namespace tafoni::io {
+namespace {
+
+constexpr std::size_t header_bytes = 84, triangle_bytes = 50;
+constexpr std::string_view origin_key = "origin ";
+
+void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata&, Progress& progress) {
+  if (mesh.triangles.size() > 0xffffffffull)
+    fail(ErrorKind::output, "STL holds at most 2^32 triangles and the mesh has {}; write PLY or simplify it.",
+         mesh.triangles.size());
+  // Not "solid" first: readers would take the file for text.
+  std::string header = "tafoni: metres, z up, " + std::string(origin_key) + impl::origin_text(mesh.origin);
+  header.resize(80, ' ');
+  impl::put(header, static_cast<std::uint32_t>(mesh.triangles.size()));
+  out.write(header);
+  impl::write_items(out, mesh.triangles.size(), progress, [&](std::string& block, std::size_t i) {
+    const auto& t = mesh.triangles[i];
+    const Vec3f a = mesh.positions[t[0]], b = mesh.positions[t[1]], c = mesh.positions[t[2]];
+    impl::put(block, normalized(cross(b - a, c - a)));
+    impl::put(block, a);
+    impl::put(block, b);
+    impl::put(block, c);
+    impl::put(block, std::uint16_t{0});
+  });
+}
+
+mesh::Mesh read_text(std::string_view text, std::string_view file) {
+  mesh::Mesh mesh;
+  impl::TextCursor cursor(text, file);
+  impl::Welder welder(mesh.positions, text.size() / 256);
+  std::vector<std::uint32_t> corners;
+  cursor.rest_of_line();
+  for (std::string_view word; !(word = cursor.token_anywhere('\0')).empty();) {
+    if (word == "vertex") {
+      Vec3d p;
+      for (double* x : {&p.x, &p.y, &p.z}) *x = cursor.number(cursor.token('\0'));
+      corners.push_back(welder.add(to_float(p)));
+    } else if (word == "endloop") {
+      if (corners.size() != 3) cursor.fail_here("a facet does not have three vertices");
+      impl::add_fan(mesh.triangles, corners);
+      corners.clear();
+    } else if (word == "endsolid" || word == "solid") {
+      cursor.rest_of_line();
+    }
+  }
+  if (mesh.triangles.empty() || !corners.empty()) cursor.fail_here("the text ends within a facet");
+  return mesh;
+}
+
+mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
+  const std::size_t count =
+      bytes.size() >= header_bytes ? impl::load<std::uint32_t>(bytes, header_bytes - 4) : 0;
+  // Some writers begin binary files with "solid" too; only the size tells.
+  const bool binary_size =
+      bytes.size() >= header_bytes && bytes.size() >= header_bytes + count * triangle_bytes && count > 0;
+  if (!binary_size && impl::as_text(bytes).starts_with("solid")) return read_text(impl::as_text(bytes), file);
+  if (!binary_size)
+    fail(ErrorKind::input, "{}: an STL file of {} triangles is longer than these {} bytes; it is truncated.",
+         file, count, bytes.size());
+  mesh::Mesh mesh;
+  mesh.origin = impl::find_origin(impl::as_text(bytes).substr(0, 80), origin_key);
+  mesh.triangles.resize(count);
+  impl::Welder welder(mesh.positions, count / 2);
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      mesh.triangles[i][k] =
+          welder.add(impl::load<Vec3f>(bytes, header_bytes + i * triangle_bytes + 12 + 12 * k));
+  return mesh;
+}
+
+}  // namespace
+
+const FormatType& format_stl() {
+  static const FormatType type{
+      .name = "stl",
+      .doc = "Triangles alone for print and CAD, binary; the world origin stands in the header",
+      .source = "3D Systems, StereoLithography interface specification, 1989",
+      .extensions = {"stl"},
+      .params = {},
+      .write_mesh = write,
+      .read_mesh = read,
+      .write_image = nullptr};
+  return type;
+}
+
+}  // namespace tafoni::io

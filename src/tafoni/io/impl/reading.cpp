@@ -1,0 +1,148 @@
+#include "tafoni/io/impl/reading.h"
+
+#include <bit>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tafoni/core/random.h"
+
+namespace tafoni::io::impl {
+
+MappedFile::MappedFile(const std::filesystem::path& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0)
+    fail(ErrorKind::input, "{}: cannot be opened ({}); check the path.", path.string(), std::strerror(errno));
+  struct stat info = {};
+  const bool regular = ::fstat(fd, &info) == 0 && S_ISREG(info.st_mode);
+  size_ = regular ? static_cast<std::size_t>(info.st_size) : 0;
+  if (size_ > 0) data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, fd, 0);
+  const int mapped = errno;
+  ::close(fd);
+  if (!regular) fail(ErrorKind::input, "{}: not a regular file; give a mesh file.", path.string());
+  if (size_ == 0) fail(ErrorKind::input, "{}: the file is empty; write it again.", path.string());
+  if (data_ == MAP_FAILED)
+    fail(ErrorKind::input, "{}: cannot be read ({}).", path.string(), std::strerror(mapped));
+}
+
+MappedFile::~MappedFile() {
+  if (data_) ::munmap(data_, size_);
+}
+
+std::string_view TextCursor::rest_of_line() {
+  const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+  std::string_view rest = text_.substr(at_, end - at_);
+  at_ = std::min(end + 1, text_.size());
+  ++line_;
+  if (!rest.empty() && rest.back() == '\r') rest.remove_suffix(1);
+  return rest;
+}
+
+std::string_view TextCursor::token(char comment) {
+  while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\r')) ++at_;
+  if (at_ >= text_.size() || text_[at_] == '\n' || text_[at_] == comment) return {};
+  const std::size_t begin = at_;
+  while (at_ < text_.size() && !(text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\r' ||
+                                 text_[at_] == '\n' || text_[at_] == comment))
+    ++at_;
+  return text_.substr(begin, at_ - begin);
+}
+
+std::string_view TextCursor::token_anywhere(char comment) {
+  while (!at_end()) {
+    const std::string_view word = token(comment);
+    if (!word.empty()) return word;
+    rest_of_line();
+  }
+  return {};
+}
+
+void TextCursor::fail_here(std::string_view what) const {
+  fail(ErrorKind::input, "{}, line {}: {}; the file is damaged or not of this format.", file_, line_, what);
+}
+
+double TextCursor::number(std::string_view token) const {
+  double value = 0;
+  if (token.starts_with('+')) token.remove_prefix(1);
+  const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
+  // from_chars calls both 1e-999 and 1e999 out of range; the first is as good as zero.
+  if (error == std::errc::result_out_of_range && end == token.data() + token.size() &&
+      token.find_first_of("eE") != token.npos && token.find("-", token.find_first_of("eE")) != token.npos)
+    return 0;
+  if (token.empty() || error != std::errc() || end != token.data() + token.size() || !std::isfinite(value))
+    fail_here(token.empty() ? "a number is missing"
+                            : fmt::format("'{}' is not a number", token.substr(0, 40)));
+  return value;
+}
+
+std::int64_t TextCursor::integer(std::string_view token) const {
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
+  if (token.empty() || error != std::errc() || end != token.data() + token.size())
+    fail_here(token.empty() ? "a whole number is missing"
+                            : fmt::format("'{}' is not a whole number", token.substr(0, 40)));
+  return value;
+}
+
+void add_fan(std::vector<std::array<std::uint32_t, 3>>& triangles, std::span<const std::uint32_t> polygon) {
+  for (std::size_t i = 2; i < polygon.size(); ++i)
+    triangles.push_back({polygon[0], polygon[i - 1], polygon[i]});
+}
+
+Welder::Welder(std::vector<Vec3f>& positions, std::size_t expected) : positions_(positions) {
+  seen_.reserve(expected);
+}
+
+std::size_t Welder::Hash::operator()(const std::array<std::uint32_t, 3>& k) const {
+  return hash_combine((std::uint64_t{k[0]} << 32) | k[1], k[2]);
+}
+
+std::uint32_t Welder::add(Vec3f p) {
+  const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v + 0.0f); };
+  const auto next = static_cast<std::uint32_t>(positions_.size());
+  const auto [entry, fresh] = seen_.try_emplace({bits(p.x), bits(p.y), bits(p.z)}, next);
+  if (fresh) positions_.push_back(p);
+  return entry->second;
+}
+
+namespace {
+
+bool finite(Vec3f p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+/// False when some normal has no direction.
+bool normalize(std::vector<Vec3f>& normals) {
+  for (Vec3f& n : normals) {
+    const double length2 = dot(to_double(n), to_double(n));
+    if (!(length2 > 1e-12) || !std::isfinite(length2)) return false;
+    // What a writer rounded is left as it is, so that reading and writing again changes nothing.
+    if (std::abs(length2 - 1) > 1e-5) n = to_float(to_double(n) * (1 / std::sqrt(length2)));
+  }
+  return true;
+}
+
+}  // namespace
+
+void check_read(mesh::Mesh& mesh, std::string_view file) {
+  const std::size_t vertices = mesh.positions.size();
+  if (vertices > 0xffffffffull)
+    fail(ErrorKind::input, "{}: has more than 2^32 vertices; split it into tiles.", file);
+  for (std::size_t i = 0; i < vertices; ++i)
+    if (!finite(mesh.positions[i]))
+      fail(ErrorKind::input, "{}: the position of vertex {} is not finite; the file is damaged.", file, i);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (const std::uint32_t v : mesh.triangles[i])
+      if (v >= vertices)
+        fail(ErrorKind::input, "{}: triangle {} names vertex {}, but there are {}; the file is damaged.",
+             file, i, v, vertices);
+  if (mesh.normals.size() != vertices || !normalize(mesh.normals)) mesh.normals.clear();
+  if (mesh.colors.size() != vertices) mesh.colors.clear();
+}
+
+}  // namespace tafoni::io::impl

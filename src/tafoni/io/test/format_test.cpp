@@ -1,0 +1,269 @@
+#include "tafoni/io/format.h"
+
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/random.h"
+#include "tafoni/io/impl/reading.h"
+
+namespace tafoni::io {
+namespace {
+
+using testing::HasSubstr;
+
+/// A folder that goes when the tests end.
+struct TemporaryFolder {
+  std::filesystem::path path =
+      std::filesystem::temp_directory_path() / fmt::format("tafoni_format_{}", ::getpid());
+  TemporaryFolder() { std::filesystem::create_directories(path); }
+  ~TemporaryFolder() { std::filesystem::remove_all(path); }
+};
+
+std::filesystem::path temporary(const std::string& name) {
+  static const TemporaryFolder folder;
+  return folder.path / name;
+}
+
+/// A bumpy sphere: closed, with every attribute, far from the CRS origin.
+mesh::Mesh bumpy_sphere(int rings = 12, int around = 18) {
+  mesh::Mesh mesh;
+  mesh.origin = {434567.125, 5123456.7890123, -12.5};
+  Random random(5);
+  const auto add = [&](double theta, double phi) {
+    const Vec3d n{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+    mesh.positions.push_back(to_float(n * random.uniform(9, 11)));
+    mesh.normals.push_back(to_float(n));
+    mesh.colors.push_back({static_cast<std::uint8_t>(random.below(256)),
+                           static_cast<std::uint8_t>(random.below(256)),
+                           static_cast<std::uint8_t>(random.below(256)), 255});
+  };
+  const auto at = [&](int r, int a) { return static_cast<std::uint32_t>(1 + r * around + a % around); };
+  add(0, 0);
+  for (int r = 0; r < rings; ++r)
+    for (int a = 0; a < around; ++a) add((r + 1) * M_PI / (rings + 1), a * 2 * M_PI / around);
+  add(M_PI, 0);
+  const auto last = static_cast<std::uint32_t>(mesh.positions.size() - 1);
+  for (int a = 0; a < around; ++a) {
+    mesh.triangles.push_back({0, at(0, a), at(0, a + 1)});
+    mesh.triangles.push_back({last, at(rings - 1, a + 1), at(rings - 1, a)});
+    for (int r = 0; r + 1 < rings; ++r) {
+      mesh.triangles.push_back({at(r, a), at(r + 1, a), at(r + 1, a + 1)});
+      mesh.triangles.push_back({at(r, a), at(r + 1, a + 1), at(r, a + 1)});
+    }
+  }
+  return mesh;
+}
+
+std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+mesh::Mesh read_bytes(const FormatType& format, const std::string& bytes) {
+  // A heap copy of the exact size lets AddressSanitizer see any step beyond it.
+  const std::vector<char> copy(bytes.begin(), bytes.end());
+  mesh::Mesh mesh = format.read_mesh(std::as_bytes(std::span(copy)), "test");
+  impl::check_read(mesh, "test");
+  return mesh;
+}
+
+std::string error_of(const std::function<void()>& act, ErrorKind kind) {
+  try {
+    act();
+  } catch (const Error& error) {
+    EXPECT_EQ(static_cast<int>(error.kind()), static_cast<int>(kind)) << error.what();
+    return error.what();
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return {};
+}
+
+class EveryMeshFormat : public testing::TestWithParam<const FormatType*> {};
+
+std::vector<const FormatType*> writable() {
+  std::vector<const FormatType*> list;
+  for (const FormatType* format : all_formats())
+    if (format->write_mesh && format->read_mesh) list.push_back(format);
+  return list;
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, EveryMeshFormat, testing::ValuesIn(writable()),
+                         [](const auto& instance) { return instance.param->name; });
+
+TEST_P(EveryMeshFormat, RoundTripKeepsGeometryToTheBit) {
+  const mesh::Mesh mesh = bumpy_sphere();
+  const auto path = temporary("round." + GetParam()->extensions.front());
+  write_mesh(path, mesh,
+             {.name = "bumpy\nsphere", .crs = "EPSG:26910", .generator = {{"seed", std::int64_t{7}}}});
+  const mesh::Mesh back = read_mesh(path);
+  EXPECT_EQ(back.origin, mesh.origin);
+  ASSERT_EQ(back.triangles.size(), mesh.triangles.size());
+  ASSERT_EQ(back.positions.size(), mesh.positions.size());
+  // STL numbers its vertices anew, so corners are compared, not indices.
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      ASSERT_EQ(back.positions[back.triangles[t][k]], mesh.positions[mesh.triangles[t][k]]);
+  if (GetParam()->name == "stl") return;
+  EXPECT_EQ(back.normals, mesh.normals);
+  ASSERT_EQ(back.colors.size(), mesh.colors.size());
+  // Only PLY rounds colours, to 8-bit sRGB; the curve's slope at white makes that at most 1.2 linear steps.
+  const int tolerance = GetParam()->name == "ply" ? 2 : 0;
+  for (std::size_t i = 0; i < mesh.colors.size(); ++i)
+    for (std::size_t k = 0; k < 4; ++k) ASSERT_NEAR(back.colors[i][k], mesh.colors[i][k], tolerance) << i;
+}
+
+TEST_P(EveryMeshFormat, WritesBareGeometry) {
+  mesh::Mesh mesh = bumpy_sphere();
+  mesh.normals.clear();
+  mesh.colors.clear();
+  const auto path = temporary("bare." + GetParam()->extensions.front());
+  write_mesh(path, mesh);
+  const mesh::Mesh back = read_mesh(path);
+  EXPECT_EQ(back.triangles.size(), mesh.triangles.size());
+  EXPECT_TRUE(back.normals.empty());
+  EXPECT_TRUE(back.colors.empty());
+}
+
+TEST_P(EveryMeshFormat, TruncatedAnywhereIsRefusedOrReadsLess) {
+  mesh::Mesh mesh = bumpy_sphere(2, 4);
+  const auto path = temporary("short." + GetParam()->extensions.front());
+  write_mesh(path, mesh);
+  const std::string bytes = bytes_of(path);
+  int refused = 0;
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    try {
+      EXPECT_LE(read_bytes(*GetParam(), bytes.substr(0, length)).triangles.size(), mesh.triangles.size());
+    } catch (const Error& error) {
+      EXPECT_EQ(static_cast<int>(error.kind()), static_cast<int>(ErrorKind::input));
+      EXPECT_THAT(error.what(), HasSubstr("test"));
+      ++refused;
+    }
+  }
+  // OBJ has no count, so a shorter file can be whole; the binary formats always know.
+  EXPECT_GE(refused, GetParam()->name == "obj" ? 1 : static_cast<int>(bytes.size()) - 1);
+}
+
+TEST_P(EveryMeshFormat, MutatedBytesNeverCrash) {
+  const auto path = temporary("mutant." + GetParam()->extensions.front());
+  write_mesh(path, bumpy_sphere(2, 4));
+  const std::string bytes = bytes_of(path);
+  Random random(11);
+  int refused = 0;
+  for (int round = 0; round < 4000; ++round) {
+    std::string mutant = bytes;
+    for (std::uint64_t n = 1 + random.below(4); n > 0; --n) {
+      // Half of the hits go to the first bytes, where the headers are.
+      const std::size_t at =
+          random.below(random.below(2) ? mutant.size() : std::min<std::size_t>(mutant.size(), 600));
+      switch (random.below(4)) {
+        case 0:
+          mutant[at] = static_cast<char>(random.below(256));
+          break;
+        case 1:
+          mutant[at] = static_cast<char>(mutant[at] ^ (1 << random.below(8)));
+          break;
+        case 2:
+          mutant.erase(at, 1 + random.below(3));
+          break;
+        default:
+          mutant.insert(at, 1 + random.below(3), "0-9{\xff}"[random.below(6)]);
+      }
+    }
+    try {
+      const mesh::Mesh mesh = read_bytes(*GetParam(), mutant);
+      for (const auto& triangle : mesh.triangles)
+        for (const std::uint32_t v : triangle) ASSERT_LT(v, mesh.positions.size());
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 100);
+}
+
+TEST_P(EveryMeshFormat, CancelledWritingLeavesNothing) {
+  struct Stopping : Progress {
+    void on_advance(std::uint64_t) override { cancel(); }
+  } progress;
+  const auto path = temporary("cancelled." + GetParam()->extensions.front());
+  error_of([&] { write_mesh(path, bumpy_sphere(), {}, progress); }, ErrorKind::cancelled);
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST(Format, DeclaresItself) {
+  std::vector<std::string> seen;
+  for (const FormatType* format : all_formats()) {
+    EXPECT_FALSE(format->doc.empty());
+    EXPECT_FALSE(format->source.empty());
+    for (const std::string& extension : format->extensions) {
+      EXPECT_THAT(seen, testing::Not(testing::Contains(extension)));
+      seen.push_back(extension);
+    }
+    EXPECT_EQ(&find_format(format->name), format);
+  }
+  EXPECT_THAT(error_of([] { find_format("pyl"); }, ErrorKind::usage), HasSubstr("'ply'"));
+}
+
+TEST(Format, UnknownExtensionListsTheKnownOnes) {
+  const std::string text = error_of([] { format_of("a.olb", Ability::write_mesh); }, ErrorKind::usage);
+  EXPECT_THAT(text, HasSubstr(".glb"));
+  EXPECT_THAT(text, HasSubstr(".stl"));
+  EXPECT_THAT(text, testing::Not(HasSubstr(".off")));  // read only
+  EXPECT_EQ(format_of("A.GLB", Ability::read_mesh).name, "glb");
+  EXPECT_THAT(error_of([] { format_of("noext", Ability::write_image); }, ErrorKind::usage),
+              HasSubstr("no extension"));
+}
+
+TEST(Format, UnwritablePathsAndEmptyMeshesGiveOneSentence) {
+  error_of([] { write_mesh("/nonexistent/folder/a.glb", bumpy_sphere()); }, ErrorKind::output);
+  error_of([] { write_mesh(temporary("empty.glb"), {}); }, ErrorKind::output);
+  error_of([] { write_image("/nonexistent/folder/a.png", raster::Image(2, 2)); }, ErrorKind::output);
+  error_of([] { write_image(temporary("empty.png"), {}); }, ErrorKind::output);
+  EXPECT_THAT(error_of([] { read_mesh("/nonexistent.ply"); }, ErrorKind::input), HasSubstr("nonexistent"));
+  error_of([] { read_mesh(std::filesystem::temp_directory_path().string() + "/."); }, ErrorKind::usage);
+  std::ofstream(temporary("zero.ply")).close();
+  EXPECT_THAT(error_of([] { read_mesh(temporary("zero.ply")); }, ErrorKind::input), HasSubstr("empty"));
+}
+
+TEST(Format, FullDiskGivesOneSentenceAndLeavesNothing) {
+  // A limit on file size fails a write as a full disk does.
+  rlimit before{};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit tight{4096, before.rlim_max};
+  const auto path = temporary("full.glb");
+  ::setrlimit(RLIMIT_FSIZE, &tight);
+  const std::string text = error_of([&] { write_mesh(path, bumpy_sphere()); }, ErrorKind::output);
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_THAT(text, HasSubstr("full.glb"));
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST(Glb, KhronosValidatorFindsNothing) {
+  const auto path = temporary("valid.glb");
+  mesh::Mesh mesh = bumpy_sphere();
+  write_mesh(path, mesh, {.name = "valid", .crs = "EPSG:26910", .generator = {{"seed", std::int64_t{7}}}});
+  const auto bare = temporary("bare_valid.glb");
+  mesh.normals.clear();
+  mesh.colors.clear();
+  write_mesh(bare, mesh);
+  const std::string command =
+      fmt::format(TAFONI_SOURCE_DIR "/tests/gltf_validate.sh '{}' '{}'", path.string(), bare.string());
+  const int status = std::system(command.c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  if (WEXITSTATUS(status) == 77) GTEST_SKIP() << "gltf-validator is not installed";
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+}  // namespace
+}  // namespace tafoni::io
