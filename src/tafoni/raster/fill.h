@@ -1,5 +1,5 @@
 #pragma once
-// Mending elevations: holes, terraces of stepped data.
+// Mending elevations: holes.
 
 #include <cstddef>
 
@@ -20,13 +20,5 @@ FillReport fill_holes(Raster& raster, double distance, Progress& progress = sile
 /// Gives every NaN pixel a finite value that continues its surroundings without a step (a membrane, so
 /// within the range of the data). Throws Error{input} when there is no data at all.
 void fill_all(Raster& raster, Progress& progress = silent());
-
-/// The height of the steps in stepped data (8-bit, whole metres on gentle ground), in the raster's unit;
-/// 0 when heights vary freely or most neighbours differ by several steps.
-double detect_step(const Grid<float>& heights);
-
-/// Removes the terraces of data quantized to `step`: a smooth surface that stays within half a step of every
-/// height, so true cliffs stay where they are.
-void remove_steps(Raster& raster, double step, Progress& progress = silent());
 
 }  // namespace tafoni::raster

@@ -1,0 +1,132 @@
+#include "tafoni/raster/fill.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "tafoni/core/error.h"
+#include "tafoni/raster/distance.h"
+#include "tafoni/raster/impl/stencil.h"
+
+namespace tafoni::raster {
+namespace {
+
+struct Pixel {
+  int col, row;
+};
+
+std::vector<Pixel> missing_pixels(const Grid<float>& grid) {
+  std::vector<Pixel> out;
+  for (int row = 0; row < grid.height(); ++row)
+    for (int col = 0; col < grid.width(); ++col)
+      if (std::isnan(grid.at(col, row))) out.push_back({col, row});
+  return out;
+}
+
+/// Fills from coarse to fine, at each level letting a membrane come to rest. `grid` holds some data.
+void fill_membrane(Grid<float>& grid, const impl::Stencil& stencil, Progress& progress) {
+  const std::vector<Pixel> missing = missing_pixels(grid);
+  if (missing.empty()) return;
+  progress.check();
+  Grid<float> half = impl::halved(grid);
+  fill_membrane(half, stencil, progress);
+  for (const Pixel p : missing) grid.at(p.col, p.row) = impl::doubled(half, p.col, p.row);
+  constexpr int sweeps = 12;
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    progress.check();
+    for (const Pixel p : missing)
+      grid.at(p.col, p.row) = static_cast<float>(stencil.membrane(grid, p.col, p.row));
+  }
+}
+
+/// The pixels 4-connected to `start` through NaN, marked in `seen`.
+std::vector<Pixel> hole_from(Pixel start, const Grid<float>& grid, Grid<std::uint8_t>& seen) {
+  std::vector<Pixel> hole{start};
+  seen.at(start.col, start.row) = 1;
+  for (std::size_t next = 0; next < hole.size(); ++next) {
+    const Pixel p = hole[next];
+    for (const Pixel q : {Pixel{p.col - 1, p.row}, Pixel{p.col + 1, p.row}, Pixel{p.col, p.row - 1},
+                          Pixel{p.col, p.row + 1}}) {
+      if (!grid.inside(q.col, q.row) || seen.at(q.col, q.row) || !std::isnan(grid.at(q.col, q.row))) continue;
+      seen.at(q.col, q.row) = 1;
+      hole.push_back(q);
+    }
+  }
+  return hole;
+}
+
+/// Fills one hole in a crop around it, so that the work is proportional to the hole.
+void mend(Grid<float>& grid, const std::vector<Pixel>& hole, const impl::Stencil& stencil,
+          Progress& progress) {
+  Pixel lo = hole.front(), hi = hole.front();
+  for (const Pixel p : hole) {
+    lo = {std::min(lo.col, p.col), std::min(lo.row, p.row)};
+    hi = {std::max(hi.col, p.col), std::max(hi.row, p.row)};
+  }
+  constexpr int margin = 3;
+  lo = {std::max(lo.col - margin, 0), std::max(lo.row - margin, 0)};
+  hi = {std::min(hi.col + margin, grid.width() - 1), std::min(hi.row + margin, grid.height() - 1)};
+  Grid<float> crop(hi.col - lo.col + 1, hi.row - lo.row + 1);
+  for (int row = 0; row < crop.height(); ++row)
+    std::copy_n(grid.row(lo.row + row) + lo.col, crop.width(), crop.row(row));
+  fill_membrane(crop, stencil, progress);
+  // In double: the plate's equations magnify rounding by the fourth power of the hole's width.
+  Grid<double> fine(crop.width(), crop.height());
+  std::copy(crop.values().begin(), crop.values().end(), fine.values().begin());
+  constexpr int sweeps = 240;
+  constexpr double over = 1.85;
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    progress.check();
+    for (const Pixel p : hole) {
+      double& value = fine.at(p.col - lo.col, p.row - lo.row);
+      value += over * (stencil.plate(fine, p.col - lo.col, p.row - lo.row) - value);
+    }
+  }
+  for (const Pixel p : hole)
+    grid.at(p.col, p.row) = static_cast<float>(fine.at(p.col - lo.col, p.row - lo.row));
+}
+
+}  // namespace
+
+FillReport fill_holes(Raster& raster, double distance, Progress& progress) {
+  Grid<float>& grid = raster.values;
+  Grid<std::uint8_t> valid(grid.width(), grid.height());
+  for (std::size_t i = 0; i < grid.size(); ++i) valid.values()[i] = !std::isnan(grid.values()[i]);
+  const auto missing =
+      static_cast<std::size_t>(std::count(valid.values().begin(), valid.values().end(), std::uint8_t{0}));
+  FillReport report{0, missing};
+  if (missing == 0 || missing == grid.size() || distance <= 0) return report;
+
+  const Grid<float> away = signed_distance(valid, raster.placement.dx, raster.placement.dy, progress);
+  const impl::Stencil stencil(raster.placement.dx, raster.placement.dy);
+  Grid<std::uint8_t> seen(grid.width(), grid.height());
+  std::vector<std::vector<Pixel>> holes;
+  for (int row = 0; row < grid.height(); ++row)
+    for (int col = 0; col < grid.width(); ++col) {
+      if (valid.at(col, row) || seen.at(col, row)) continue;
+      auto hole = hole_from({col, row}, grid, seen);
+      const bool small = std::all_of(hole.begin(), hole.end(), [&](Pixel p) {
+        return -static_cast<double>(away.at(p.col, p.row)) <= distance;
+      });
+      if (small) holes.push_back(std::move(hole));
+    }
+  progress.begin("fill holes", holes.size(), "holes");
+  for (const auto& hole : holes) {
+    mend(grid, hole, stencil, progress);
+    report.filled += hole.size();
+    progress.advance();
+  }
+  progress.end();
+  report.left -= report.filled;
+  return report;
+}
+
+void fill_all(Raster& raster, Progress& progress) {
+  const auto& values = raster.values.values();
+  if (std::all_of(values.begin(), values.end(), [](float v) { return std::isnan(v); }))
+    fail(ErrorKind::input, "the elevations hold no data at all.");
+  fill_membrane(raster.values, impl::Stencil(raster.placement.dx, raster.placement.dy), progress);
+}
+
+}  // namespace tafoni::raster
