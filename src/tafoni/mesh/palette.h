@@ -15,6 +15,7 @@ struct SurfacePoint {
   float resistance = 0.5f;           ///< rho in [0, 1]: soft ochre to hard grey
   float height_above_sea = 1000.0f;  ///< metres; far above the sea when there is none
   bool roofed = false;               ///< under an overhang or in a cave: no plants grow
+  float spacing = 0.5f;              ///< metres between vertices; finer texture is left out
 };
 
 /// Linear RGB reflectance, each in [0, 1].
