@@ -15,7 +15,8 @@ namespace tafoni::terrain {
 raster::Grid<float> slope(const raster::Raster& heights, Progress& progress = silent());
 
 struct FillSettings {
-  /// Also gives every filled or flat cell a strictly lower neighbour, in steps of one unit in the last place.
+  /// Also gives every filled or flat cell a strictly lower neighbour, in steps of a
+  /// micrometre or, where floats are coarser, one unit in the last place.
   bool drain_flats = true;
 };
 /// Fills depressions by Priority-Flood (Barnes, Lehman & Mulla 2014): the lowest surface >= heights from
@@ -34,11 +35,11 @@ raster::Grid<float> stream_power(const raster::Grid<float>& area, const raster::
 
 struct AccessibilitySettings {
   double max_radius = 20;  ///< metres: a cell that a sphere of this radius can touch is wholly open
-  int directions = 16;     ///< vertical half-planes scanned about each cell
 };
 /// Miller's local accessibility (1994) of a heightfield in [0, 1]: the radius of the largest sphere that
-/// touches the surface at the cell from above without cutting it, over max_radius. Approximated by
-/// the given number of directions and, far from the cell, by maxima over growing blocks.
+/// touches the surface at the cell, tangent to it and above, without cutting the terrain, over max_radius.
+/// The terrain is the columns below the cells' centres, so what lies between centres is not seen; over these
+/// columns the radius is exact.
 raster::Grid<float> accessibility(const raster::Raster& heights, const AccessibilitySettings& settings = {},
                                   Progress& progress = silent());
 

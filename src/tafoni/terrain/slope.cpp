@@ -1,0 +1,28 @@
+#include <cmath>
+
+#include "tafoni/core/parallel.h"
+#include "tafoni/terrain/analysis.h"
+#include "tafoni/terrain/impl/stencil.h"
+
+namespace tafoni::terrain {
+
+raster::Grid<float> slope(const raster::Raster& heights, Progress& progress) {
+  const int width = heights.width(), height = heights.height();
+  raster::Grid<float> out(width, height, raster::no_data);
+  progress.begin("slope", static_cast<std::uint64_t>(height), "rows");
+  parallel_for(
+      height,
+      [&](std::int64_t r) {
+        const int row = static_cast<int>(r);
+        for (int col = 0; col < width; ++col) {
+          if (impl::missing(heights.values.at(col, row))) continue;
+          const Vec2d g = impl::gradient(heights, col, row);
+          out.at(col, row) = static_cast<float>(std::sqrt(g.x * g.x + g.y * g.y));
+        }
+      },
+      progress);
+  progress.end();
+  return out;
+}
+
+}  // namespace tafoni::terrain
