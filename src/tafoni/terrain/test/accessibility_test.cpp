@@ -45,11 +45,11 @@ TEST(Accessibility, AgreesWithBruteForce) {
   };
   for (double radius : {0.7, 3.0, 11.0, 60.0})
     for (int which = 0; which < 4; ++which) {
-      const auto terrain = which == 0   ? rough(33, 29, 1, 0, 0.03)
-                           : which == 1 ? surface(33, 29, 1, 1, hills)
+      const auto terrain = which == 0   ? rough(25, 21, 1, 0, 0.03)
+                           : which == 1 ? surface(25, 21, 1, 1, hills)
                            : which == 2
-                               ? surface(33, 29, 0.5, 1.5, hills)
-                               : surface(33, 29, 1, 1, [&](double x, double) { return x > 16 ? 25.0 : 0.0; });
+                               ? surface(25, 21, 0.5, 1.5, hills)
+                               : surface(25, 21, 1, 1, [&](double x, double) { return x > 12 ? 25.0 : 0.0; });
       const auto open = accessibility(terrain, {.max_radius = radius});
       for (int row = 0; row < terrain.height(); row += 4)
         for (int col = 0; col < terrain.width(); ++col) {
