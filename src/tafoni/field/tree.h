@@ -71,7 +71,7 @@ class CloudBuilder {
   /// Throws Error{input} for what is not finite, not positive where it must be, or beyond 131 km.
   void add(Vec3d anchor, float energy, std::span<const float> shape);
   std::size_t size() const;
-  /// Sorts, quantizes (2^-14 m) and indexes. Leaves the builder empty.
+  /// Sorts, quantizes (2^-13 m) and indexes. Leaves the builder empty.
   NodePtr finish();
 
  private:

@@ -1,0 +1,394 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "tafoni/field/compiled.h"
+#include "tafoni/field/impl/points.h"
+#include "tafoni/field/impl/program.h"
+
+namespace tafoni::field {
+
+using impl::Axis;
+using impl::Block;
+using impl::Columns;
+using impl::Instruction;
+using impl::Primitives;
+using impl::Program;
+
+namespace {
+
+constexpr int bricks = chunk_bricks;
+constexpr int sides = bricks + 1;  ///< sample bricks a side: the last holds only the far face
+
+int brick_index(int bx, int by, int bz) {
+  return (bz * sides + by) * sides + bx;
+}
+
+/// Least and greatest of a column array over the closure of each 8 x 8 cell brick.
+struct BrickRange {
+  float lo[bricks * bricks], hi[bricks * bricks];
+};
+
+BrickRange brick_ranges(const std::vector<float>& values) {
+  BrickRange out;
+  for (int by = 0; by < bricks; ++by)
+    for (int bx = 0; bx < bricks; ++bx) {
+      float lo = std::numeric_limits<float>::max(), hi = std::numeric_limits<float>::lowest();
+      for (int j = by * brick_cells; j <= (by + 1) * brick_cells; ++j) {
+        const float* row = values.data() + j * Columns::stride + bx * brick_cells;
+        for (int i = 0; i <= brick_cells; ++i) lo = std::min(lo, row[i]), hi = std::max(hi, row[i]);
+      }
+      out.lo[by * bricks + bx] = lo;
+      out.hi[by * bricks + bx] = hi;
+    }
+  return out;
+}
+
+Interval join(const BrickRange& r) {
+  return {*std::min_element(r.lo, r.lo + bricks * bricks), *std::max_element(r.hi, r.hi + bricks * bricks)};
+}
+
+}  // namespace
+
+struct ChunkEvaluator::State {
+  const Program& program;
+  double voxel;
+  const impl::LeafKernels& kernels = impl::leaf_kernels();
+
+  int column_x = 0, column_y = 0, chunk_z = 0;
+  Axis x, y, z;
+  struct Height {
+    Columns columns;
+    BrickRange value, scale;
+    Interval all_value, all_scale;
+  };
+  struct Plane {
+    Columns columns;
+    BrickRange value;
+    Interval all_value;
+  };
+  std::vector<Height> heights;
+  std::vector<Plane> domains;
+
+  /// Primitives of one cloud that may touch the chunk column, and who touches which brick's closure.
+  struct CloudPart {
+    Primitives column;
+    std::vector<std::uint32_t> begin;  ///< sides^3 + 1
+    std::vector<std::uint32_t> items;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+    std::size_t touching = 0;  ///< of this chunk
+  };
+  std::vector<CloudPart> clouds;
+
+  impl::RangeWork range_work;
+  std::vector<std::uint32_t> cursor, order;
+  std::vector<std::vector<float>> scratch;  ///< one block a stack slot above the first
+  impl::PointWork points;
+
+  State(const Program& p, double v) : program(p), voxel(v) {
+    if (!(v > 0) || !std::isfinite(v))
+      fail(ErrorKind::usage, "the voxel size must be a positive length in metres");
+    heights.resize(p.heights.size());
+    domains.resize(p.domains.size());
+    clouds.resize(p.clouds.size());
+    scratch.resize(p.depth, std::vector<float>(brick_cells * brick_cells * brick_cells));
+  }
+
+  /// Sample i of an axis in float metres, rounded outward by what float can lose.
+  float low(const Axis& axis, int i) const { return static_cast<float>(axis.metres[i]) - slack(); }
+  float high(const Axis& axis, int i) const { return static_cast<float>(axis.metres[i]) + slack(); }
+  static float slack() { return impl::position_slack; }
+
+  Box3f brick_box(int bx, int by, int bz) const {
+    const int i = bx * brick_cells, j = by * brick_cells, k = bz * brick_cells;
+    return {{low(x, i), low(y, j), low(z, k)},
+            {high(x, i + brick_cells), high(y, j + brick_cells), high(z, k + brick_cells)}};
+  }
+  void list_primitives(CloudPart& part);
+  Interval brick_range(const Box3f& box, int bx, int by, int bz);
+  Interval bare_range();
+  void evaluate_block(int bx, int by, int bz, int ny, int nz, ChunkSamples& out);
+};
+
+ChunkEvaluator::ChunkEvaluator(const CompiledField& field, double voxel)
+    : state_(std::make_unique<State>(field.program(), voxel)) {}
+ChunkEvaluator::~ChunkEvaluator() = default;
+
+ChunkEvaluator::Range ChunkEvaluator::column(int a, int b) {
+  State& s = *state_;
+  s.column_x = a;
+  s.column_y = b;
+  s.x.set(static_cast<std::int64_t>(a) * chunk_cells, s.voxel);
+  s.y.set(static_cast<std::int64_t>(b) * chunk_cells, s.voxel);
+  float lo = std::numeric_limits<float>::max(), hi = std::numeric_limits<float>::lowest();
+  for (std::size_t i = 0; i < s.heights.size(); ++i) {
+    auto& h = s.heights[i];
+    const impl::HeightLeaf& leaf = *s.program.heights[i];
+    s.kernels.height_columns(leaf, s.x, s.y, h.columns);
+    h.value = brick_ranges(h.columns.value);
+    h.scale = brick_ranges(h.columns.scale);
+    h.all_value = join(h.value);
+    h.all_scale = join(h.scale);
+    // Beyond the reach of sigma the leaf is constant; a first-order distance reaches further on slopes.
+    const float reach = leaf.sigma.influence / h.all_scale.lo;
+    lo = std::min(lo, h.all_value.lo - reach);
+    hi = std::max(hi, h.all_value.hi + reach);
+  }
+  for (std::size_t i = 0; i < s.domains.size(); ++i) {
+    auto& d = s.domains[i];
+    const impl::DomainLeaf& leaf = *s.program.domains[i];
+    s.kernels.domain_columns(leaf, s.x, s.y, d.columns);
+    d.value = brick_ranges(d.columns.value);
+    d.all_value = join(d.value);
+    const float base = static_cast<float>(leaf.domain.box.lo.z);
+    lo = std::min(lo, base - leaf.sigma.influence);
+    hi = std::max(hi, base + leaf.sigma.influence);
+  }
+  for (std::size_t i = 0; i < s.clouds.size(); ++i) {
+    auto& part = s.clouds[i];
+    part.column.clear();
+    constexpr float tall = static_cast<float>(impl::reach_limit);
+    s.program.clouds[i]->collect(
+        {{s.low(s.x, 0), s.low(s.y, 0), -tall}, {s.high(s.x, chunk_cells), s.high(s.y, chunk_cells), tall}},
+        part.column);
+    for (std::size_t p = 0; p < part.column.size(); ++p) {
+      const float c = static_cast<float>(impl::to_metres(part.column.z[p]));
+      lo = std::min(lo, c - part.column.reach[p]);
+      hi = std::max(hi, c + part.column.reach[p]);
+    }
+  }
+  if (lo > hi) return {};
+  const double size = s.voxel * chunk_cells;
+  return {static_cast<int>(std::floor(lo / size)) - (lo == std::floor(lo / size) * size ? 1 : 0),
+          static_cast<int>(std::floor(hi / size))};
+}
+
+void ChunkEvaluator::State::list_primitives(CloudPart& part) {
+  const Primitives& p = part.column;
+  part.pairs.clear();
+  part.touching = 0;
+  part.begin.assign(sides * sides * sides + 1, 0);
+  const float inv = static_cast<float>(1 / (voxel * brick_cells));
+  const float origin[3] = {static_cast<float>(x.metres[0]), static_cast<float>(y.metres[0]),
+                           static_cast<float>(z.metres[0])};
+  const float brick = static_cast<float>(voxel * brick_cells);
+  for (std::uint32_t i = 0; i < p.size(); ++i) {
+    const float c[3] = {static_cast<float>(impl::to_metres(p.x[i])) - origin[0],
+                        static_cast<float>(impl::to_metres(p.y[i])) - origin[1],
+                        static_cast<float>(impl::to_metres(p.z[i])) - origin[2]};
+    const float reach = p.reach[i] + slack();
+    int lo[3], hi[3];
+    for (int a = 0; a < 3; ++a) {
+      // Brick b's closure is [b, b + 1] bricks.
+      lo[a] = static_cast<int>(std::ceil(std::clamp((c[a] - reach) * inv - 1, -1e6f, 1e6f)));
+      hi[a] = static_cast<int>(std::floor(std::clamp((c[a] + reach) * inv, -1e6f, 1e6f)));
+      lo[a] = std::max(lo[a], 0);
+      hi[a] = std::min(hi[a], sides - 1);
+    }
+    bool touches = false;
+    for (int bz = lo[2]; bz <= hi[2]; ++bz)
+      for (int by = lo[1]; by <= hi[1]; ++by)
+        for (int bx = lo[0]; bx <= hi[0]; ++bx) {
+          const int at[3] = {bx, by, bz};
+          float d2 = 0;
+          for (int a = 0; a < 3; ++a) {
+            const float from = static_cast<float>(at[a]) * brick;
+            const float d = std::max(std::max(from - c[a], c[a] - from - brick), 0.f);
+            d2 += d * d;
+          }
+          if (d2 > reach * reach) continue;
+          const auto b = static_cast<std::uint32_t>(brick_index(bx, by, bz));
+          ++part.begin[b + 1];
+          part.pairs.emplace_back(b, i);
+          touches = true;
+        }
+    part.touching += touches;
+  }
+  for (std::size_t b = 0; b < sides * sides * sides; ++b) part.begin[b + 1] += part.begin[b];
+  part.items.resize(part.pairs.size());
+  cursor.assign(part.begin.begin(), part.begin.end() - 1);
+  for (const auto& [b, i] : part.pairs) part.items[cursor[b]++] = i;
+}
+
+/// Ranges over the closure of cell brick (bx, by, bz), whose z limits are box's.
+Interval ChunkEvaluator::State::brick_range(const Box3f& box, int bx, int by, int bz) {
+  const int plane = by * bricks + bx;
+  const auto b = static_cast<std::size_t>(brick_index(bx, by, bz));
+  return impl::range_of(program, range_work, [&](const Instruction& in) -> Interval {
+    if (in.kind == Instruction::Kind::height) {
+      const Height& h = heights[in.index];
+      return impl::height_range(*program.heights[in.index], h.value.lo[plane], h.value.hi[plane],
+                                h.scale.lo[plane], h.scale.hi[plane], box.lo.z, box.hi.z);
+    }
+    if (in.kind == Instruction::Kind::domain) {
+      const Plane& d = domains[in.index];
+      return impl::domain_range(*program.domains[in.index], d.value.lo[plane], d.value.hi[plane], box.lo.z,
+                                box.hi.z);
+    }
+    const CloudPart& part = clouds[in.index];
+    Interval sum{0, 0};
+    for (std::uint32_t m = part.begin[b]; m < part.begin[b + 1]; ++m)
+      sum = sum + program.clouds[in.index]->contribution(part.column, part.items[m], box);
+    const float count = static_cast<float>(part.begin[b + 1] - part.begin[b]);
+    const float loss = 1e-7f * count * (std::fabs(sum.lo) + std::fabs(sum.hi));
+    return {sum.lo - loss, sum.hi + loss};
+  });
+}
+
+/// The whole chunk's range when no primitive touches it.
+Interval ChunkEvaluator::State::bare_range() {
+  const float z0 = low(z, 0), z1 = high(z, chunk_cells);
+  return impl::range_of(program, range_work, [&](const Instruction& in) -> Interval {
+    if (in.kind == Instruction::Kind::height) {
+      const Height& h = heights[in.index];
+      return impl::height_range(*program.heights[in.index], h.all_value.lo, h.all_value.hi, h.all_scale.lo,
+                                h.all_scale.hi, z0, z1);
+    }
+    if (in.kind == Instruction::Kind::domain)
+      return impl::domain_range(*program.domains[in.index], domains[in.index].all_value.lo,
+                                domains[in.index].all_value.hi, z0, z1);
+    return {0, 0};
+  });
+}
+
+void ChunkEvaluator::State::evaluate_block(int bx, int by, int bz, int ny, int nz, ChunkSamples& out) {
+  const int i0 = bx * brick_cells, j0 = by * brick_cells, k0 = bz * brick_cells;
+  Block base{
+      x.units + i0, y.units + j0, z.units + k0, x.rest + i0, y.rest + j0, z.rest + k0, ny, nz, nullptr, 0, 0};
+  const auto slot = [&](int i) {
+    Block block = base;
+    if (i == 0) {
+      block.row = ChunkSamples::nx;
+      block.plane = ChunkSamples::nx * ChunkSamples::ny;
+      block.f = out.f.data() + k0 * block.plane + j0 * block.row + i0;
+    } else {
+      block.row = brick_cells;
+      block.plane = brick_cells * brick_cells;
+      block.f = scratch[static_cast<std::size_t>(i)].data();
+    }
+    return block;
+  };
+  const std::uint8_t* dead = nullptr;
+  const bool whole = bx < bricks && by < bricks && bz < bricks;
+  // Operators may leave an operand unread where its range decides nothing; the far faces evaluate all.
+  if (whole && program.depth > 1) {
+    brick_range(brick_box(bx, by, bz), bx, by, bz);
+    dead = range_work.dead.data();
+  }
+  const std::ptrdiff_t at = j0 * Columns::stride + i0;
+  impl::walk(
+      program, dead,
+      [&](int i, const Instruction& in) {
+        const Block block = slot(i);
+        if (in.kind == Instruction::Kind::height) {
+          const Columns& c = heights[in.index].columns;
+          kernels.height_block(*program.heights[in.index], c.value.data() + at, c.scale.data() + at, block);
+        } else if (in.kind == Instruction::Kind::domain) {
+          kernels.domain_block(*program.domains[in.index], domains[in.index].columns.value.data() + at,
+                               block);
+        } else {
+          for (int k = 0; k < nz; ++k)
+            for (int j = 0; j < ny; ++j) std::fill_n(block.f + k * block.plane + j * block.row, 8, in.value);
+        }
+      },
+      [&](int i, const Instruction& in) {
+        const CloudPart& part = clouds[in.index];
+        const auto b = static_cast<std::size_t>(brick_index(bx, by, bz));
+        const std::size_t count = part.begin[b + 1] - part.begin[b];
+        if (count == 0) return;
+        const impl::Cloud& cloud = *program.clouds[in.index];
+        cloud.type().kernels().add_block(cloud.view(part.column), part.items.data() + part.begin[b], count,
+                                         slot(i));
+      },
+      [&](int i, const Instruction& in) { in.op->kernels().block(slot(i), slot(i + 1)); });
+}
+
+bool ChunkEvaluator::evaluate(int c, ChunkSamples& out) {
+  State& s = *state_;
+  s.chunk_z = c;
+  s.z.set(static_cast<std::int64_t>(c) * chunk_cells, s.voxel);
+  out.chunk = {s.column_x, s.column_y, c};
+  std::fill(std::begin(out.active), std::end(out.active), 0);
+  out.evaluated = 0;
+  out.f.resize(static_cast<std::size_t>(ChunkSamples::nx * ChunkSamples::ny * ChunkSamples::nz));
+  std::size_t touching = 0;
+  for (auto& part : s.clouds) {
+    s.list_primitives(part);
+    touching += part.touching;
+  }
+  const auto excludes_zero = [](Interval r) { return r.lo > 0 || r.hi < 0; };
+  if (touching == 0 && excludes_zero(s.bare_range())) return false;
+
+  for (int bz = 0; bz < bricks; ++bz)
+    for (int by = 0; by < bricks; ++by)
+      for (int bx = 0; bx < bricks; ++bx)
+        if (!excludes_zero(s.brick_range(s.brick_box(bx, by, bz), bx, by, bz)))
+          out.active[bz] |= std::uint64_t{1} << (by * bricks + bx);
+  if (!out.any()) return false;
+
+  const auto active = [&](int bx, int by, int bz) {
+    return bx >= 0 && by >= 0 && bz >= 0 && bx < bricks && by < bricks && bz < bricks &&
+           out.brick(bx, by, bz);
+  };
+  for (int bz = 0; bz < sides; ++bz)
+    for (int by = 0; by < sides; ++by)
+      for (int bx = 0; bx < sides; ++bx) {
+        // A cell brick reads its own samples and the near faces of the next ones.
+        int nx = 0, ny = 0, nz = 0;
+        for (int from = 0; from < 8; ++from) {
+          const int dx = from & 1, dy = from >> 1 & 1, dz = from >> 2;
+          if (!active(bx - dx, by - dy, bz - dz)) continue;
+          nx = std::max(nx, dx ? 1 : brick_cells);
+          ny = std::max(ny, dy ? 1 : brick_cells);
+          nz = std::max(nz, dz ? 1 : brick_cells);
+        }
+        if (nx == 0) continue;
+        s.evaluate_block(bx, by, bz, ny, nz, out);
+        out.evaluated += static_cast<std::uint64_t>(nx * ny * nz);
+      }
+  return true;
+}
+
+void ChunkEvaluator::gradients(std::span<const Vec3d> points, std::span<float> values,
+                               std::span<Vec3f> gradients) {
+  if (values.size() != points.size() || gradients.size() != points.size())
+    fail(ErrorKind::internal, "gradients() wants one result a point");
+  State& s = *state_;
+  const double inv = 1 / (s.voxel * brick_cells);
+  const Vec3d origin{s.x.metres[0], s.y.metres[0], s.z.metres[0]};
+  const auto brick_of = [&](const Vec3d& p) {
+    const auto axis = [&](double d) {
+      return std::clamp(static_cast<int>(std::floor(d * inv)), 0, bricks - 1);
+    };
+    return brick_index(axis(p.x - origin.x), axis(p.y - origin.y), axis(p.z - origin.z));
+  };
+  auto& order = s.order;
+  order.resize(points.size());
+  auto& start = s.cursor;
+  start.assign(sides * sides * sides + 1, 0);
+  for (const Vec3d& p : points) ++start[static_cast<std::size_t>(brick_of(p)) + 1];
+  for (std::size_t b = 1; b < start.size(); ++b) start[b] += start[b - 1];
+  const std::vector<std::uint32_t> begin = start;
+  for (std::uint32_t i = 0; i < points.size(); ++i)
+    order[start[static_cast<std::size_t>(brick_of(points[i]))]++] = i;
+
+  auto& lists = s.points.lists();
+  for (std::size_t b = 0; b + 1 < begin.size(); ++b) {
+    if (begin[b] == begin[b + 1]) continue;
+    lists.clear();
+    for (const auto& part : s.clouds)
+      lists.push_back({&part.column, part.items.data() + part.begin[b], part.begin[b + 1] - part.begin[b]});
+    for (std::uint32_t i = begin[b]; i < begin[b + 1]; i += 8) {
+      const auto pack = std::span(order).subspan(i, std::min<std::size_t>(8, begin[b + 1] - i));
+      s.points.load(points, pack);
+      const impl::PointValues& g = s.points.gradients(s.program);
+      for (std::size_t l = 0; l < pack.size(); ++l) {
+        values[pack[l]] = g.v[l];
+        gradients[pack[l]] = {g.gx[l], g.gy[l], g.gz[l]};
+      }
+    }
+  }
+}
+
+}  // namespace tafoni::field

@@ -1,0 +1,168 @@
+#include "tafoni/field/compiled.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "tafoni/core/parallel.h"
+#include "tafoni/field/impl/points.h"
+#include "tafoni/field/impl/program.h"
+
+namespace tafoni::field {
+
+using impl::Instruction;
+using impl::Program;
+
+CompiledField compile(const NodePtr& root) {
+  return CompiledField(std::make_shared<const Program>(impl::flatten(root)));
+}
+
+namespace {
+
+/// Order of points along a space-filling curve, so that neighbours share a pack. Radix sort of 33-bit keys.
+std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points) {
+  Box3d box;
+  for (const Vec3d& p : points) box.expand(p);
+  const Vec3d size = box.size();
+  const double scale = 2047 / std::max({size.x, size.y, size.z, 1e-9});
+  const auto spread = [](std::uint64_t v) {
+    v = (v | v << 32) & 0x1f00000000ffffull;
+    v = (v | v << 16) & 0x1f0000ff0000ffull;
+    v = (v | v << 8) & 0x100f00f00f00f00full;
+    v = (v | v << 4) & 0x10c30c30c30c30c3ull;
+    return (v | v << 2) & 0x1249249249249249ull;
+  };
+  struct Item {
+    std::uint64_t key;
+    std::uint32_t index;
+  };
+  std::vector<Item> items(points.size()), other(points.size());
+  parallel_blocks(
+      static_cast<std::int64_t>(points.size()), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+          const Vec3d d = (points[i] - box.lo) * scale;
+          items[i] = {spread(static_cast<std::uint64_t>(d.x)) | spread(static_cast<std::uint64_t>(d.y)) << 1 |
+                          spread(static_cast<std::uint64_t>(d.z)) << 2,
+                      static_cast<std::uint32_t>(i)};
+        }
+      });
+  for (int shift = 0; shift < 33; shift += 11) {
+    std::array<std::uint32_t, 2049> count{};
+    for (const Item& item : items) ++count[(item.key >> shift & 2047) + 1];
+    std::partial_sum(count.begin(), count.end(), count.begin());
+    for (const Item& item : items) other[count[item.key >> shift & 2047]++] = item;
+    items.swap(other);
+  }
+  std::vector<std::uint32_t> order(points.size());
+  for (std::size_t i = 0; i < items.size(); ++i) order[i] = items[i].index;
+  return order;
+}
+
+/// Calls run(work, indices) for packs of up to eight neighbouring points.
+template <class Run>
+void in_packs(std::span<const Vec3d> points, const Run& run) {
+  constexpr std::size_t few = 64;
+  std::vector<std::uint32_t> order;
+  if (points.size() > few) {
+    order = spatial_order(points);
+  } else {
+    order.resize(points.size());
+    std::iota(order.begin(), order.end(), 0u);
+  }
+  const auto packs = [&](std::size_t begin, std::size_t end) {
+    auto& work = impl::PointWork::local();
+    for (std::size_t i = begin; i < end; i += 8)
+      run(work, std::span(order).subspan(i, std::min<std::size_t>(8, end - i)));
+  };
+  if (points.size() <= 2048) return packs(0, points.size());
+  parallel_blocks(static_cast<std::int64_t>(points.size()), 2048, [&](std::int64_t begin, std::int64_t end) {
+    packs(static_cast<std::size_t>(begin), static_cast<std::size_t>(end));
+  });
+}
+
+}  // namespace
+
+float CompiledField::value(Vec3d p) const {
+  float out = 0;
+  values({&p, 1}, {&out, 1});
+  return out;
+}
+
+void CompiledField::values(std::span<const Vec3d> points, std::span<float> out) const {
+  if (out.size() != points.size()) fail(ErrorKind::internal, "values() wants one result a point");
+  in_packs(points, [&](impl::PointWork& work, std::span<const std::uint32_t> pack) {
+    work.load(points, pack);
+    work.collect(*program_);
+    const float* f = work.values(*program_);
+    for (std::size_t l = 0; l < pack.size(); ++l) out[pack[l]] = f[l];
+  });
+}
+
+void CompiledField::gradients(std::span<const Vec3d> points, std::span<float> values,
+                              std::span<Vec3f> gradients) const {
+  if (values.size() != points.size() || gradients.size() != points.size())
+    fail(ErrorKind::internal, "gradients() wants one result a point");
+  in_packs(points, [&](impl::PointWork& work, std::span<const std::uint32_t> pack) {
+    work.load(points, pack);
+    work.collect(*program_);
+    const impl::PointValues& g = work.gradients(*program_);
+    for (std::size_t l = 0; l < pack.size(); ++l) {
+      values[pack[l]] = g.v[l];
+      gradients[pack[l]] = {g.gx[l], g.gy[l], g.gz[l]};
+    }
+  });
+}
+
+Interval CompiledField::interval(const Box3d& box) const {
+  static thread_local impl::RangeWork work;
+  static thread_local impl::Primitives scratch;
+  // Rounding the box to float must not shrink it.
+  const float slack = impl::position_slack;
+  const Box3f floats = Box3f{to_float(box.lo), to_float(box.hi)}.grown(slack);
+  return impl::range_of(*program_, work, [&](const Instruction& in) -> Interval {
+    if (in.kind == Instruction::Kind::height) {
+      const impl::HeightLeaf& leaf = *program_->heights[in.index];
+      const auto r = leaf.sampler.range(box.lo.x, box.lo.y, box.hi.x, box.hi.y);
+      const float least = leaf.first_order ? 1.f / std::sqrt(1.f + r.slope * r.slope) : 1.f;
+      return impl::height_range(leaf, r.lo, r.hi, least, 1.f, floats.lo.z, floats.hi.z);
+    }
+    if (in.kind == Instruction::Kind::domain) {
+      const impl::DomainLeaf& leaf = *program_->domains[in.index];
+      const Box3d& d = leaf.domain.box;
+      // The distance to a rectangle's border is 1-Lipschitz; at a box it is bounded axis by axis.
+      const double lo = std::min(std::min(box.lo.x - d.lo.x, d.hi.x - box.hi.x),
+                                 std::min(box.lo.y - d.lo.y, d.hi.y - box.hi.y));
+      const double mx = std::min(std::min(box.hi.x, d.hi.x) - d.lo.x, d.hi.x - std::max(box.lo.x, d.lo.x));
+      const double my = std::min(std::min(box.hi.y, d.hi.y) - d.lo.y, d.hi.y - std::max(box.lo.y, d.lo.y));
+      float least = static_cast<float>(lo), most = static_cast<float>(std::min(mx, my));
+      if (leaf.inside) {
+        const auto r = leaf.inside->range(box.lo.x, box.lo.y, box.hi.x, box.hi.y);
+        least = std::min(least, r.lo);
+        most = std::min(most, r.hi);
+      }
+      return impl::domain_range(leaf, least - slack, most + slack, floats.lo.z, floats.hi.z);
+    }
+    return program_->clouds[in.index]->interval(floats, scratch);
+  });
+}
+
+Box3d CompiledField::bounds() const {
+  Box3d box;
+  for (const auto* leaf : program_->heights) {
+    const auto& r = leaf->sampler.raster();
+    const auto range = leaf->sampler.range();
+    const auto& p = r.placement;
+    box.expand(Box3d{{p.west, p.north - r.height() * p.dy, range.lo},
+                     {p.west + r.width() * p.dx, p.north, range.hi}});
+  }
+  for (const auto* cloud : program_->clouds)
+    if (cloud->size() > 0) box.expand(Box3d{to_double(cloud->bounds().lo), to_double(cloud->bounds().hi)});
+  for (const auto* leaf : program_->domains) {
+    const Box3d& d = leaf->domain.box;
+    box.expand(Box3d{d.lo, {d.hi.x, d.hi.y, d.lo.z}});
+  }
+  return box;
+}
+
+}  // namespace tafoni::field

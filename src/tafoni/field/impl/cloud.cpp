@@ -1,0 +1,261 @@
+#include "tafoni/field/impl/cloud.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <numeric>
+
+namespace tafoni::field::impl {
+namespace {
+
+constexpr int cell_bits = 21;
+constexpr std::int32_t cell_mask = (1 << cell_bits) - 1;
+
+/// Spreads the low 21 bits of v to every third bit.
+constexpr std::uint64_t spread(std::uint64_t v) {
+  v &= 0x1fffff;
+  v = (v | v << 32) & 0x1f00000000ffffull;
+  v = (v | v << 16) & 0x1f0000ff0000ffull;
+  v = (v | v << 8) & 0x100f00f00f00f00full;
+  v = (v | v << 4) & 0x10c30c30c30c30c3ull;
+  return (v | v << 2) & 0x1249249249249249ull;
+}
+
+std::uint64_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  return spread(x) | spread(y) << 1 | spread(z) << 2;
+}
+
+/// Total order on floats that a sort may use: by bits, negative numbers reversed.
+std::uint32_t order_key(float v) {
+  const auto bits = std::bit_cast<std::uint32_t>(v);
+  return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
+}
+
+/// Rounding in the kernels is a few parts in 10^7; beyond this the contribution is exactly zero.
+float padded(float reach) {
+  return reach * (1.f + 1e-5f) + 2e-4f;
+}
+
+}  // namespace
+
+Cloud::Cloud(const PrimitiveType& type, float falloff, const Noise& noise, std::vector<Record> records,
+             const std::vector<float>& pool)
+    : type_(&type), falloff_(falloff), noise_(noise) {
+  struct Key {
+    std::uint64_t cell, within;
+    std::uint32_t index;
+  };
+  std::vector<Key> keys(records.size());
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const Vec3i a = records[i].anchor;
+    constexpr std::int32_t bias = 1 << (31 - cell_bits);
+    keys[i] = {
+        morton(static_cast<std::uint32_t>((a.x >> cell_bits) + bias),
+               static_cast<std::uint32_t>((a.y >> cell_bits) + bias),
+               static_cast<std::uint32_t>((a.z >> cell_bits) + bias)),
+        morton(static_cast<std::uint32_t>(a.x & cell_mask), static_cast<std::uint32_t>(a.y & cell_mask),
+               static_cast<std::uint32_t>(a.z & cell_mask)),
+        static_cast<std::uint32_t>(i)};
+  }
+  const auto extras_of = [&](const Record& r) { return std::span(pool.data() + r.extra, r.extra_count); };
+  // Canonical: depends on the primitives alone. Records equal in every field may swap without a trace.
+  std::sort(keys.begin(), keys.end(), [&](const Key& a, const Key& b) {
+    if (a.cell != b.cell) return a.cell < b.cell;
+    if (a.within != b.within) return a.within < b.within;
+    const Record &ra = records[a.index], &rb = records[b.index];
+    const auto ka = std::array{order_key(ra.radius), order_key(ra.energy)};
+    const auto kb = std::array{order_key(rb.radius), order_key(rb.energy)};
+    if (ka != kb) return ka < kb;
+    const auto ea = extras_of(ra), eb = extras_of(rb);
+    return std::lexicographical_compare(ea.begin(), ea.end(), eb.begin(), eb.end());
+  });
+
+  packed_.reserve(records.size());
+  if (type.variable) extra_offsets_.reserve(records.size() + 1);
+  std::vector<Box3f> boxes;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const Record& r = records[keys[i].index];
+    const Vec3i a = r.anchor;
+    const std::int16_t cell[3] = {static_cast<std::int16_t>(a.x >> cell_bits),
+                                  static_cast<std::int16_t>(a.y >> cell_bits),
+                                  static_cast<std::int16_t>(a.z >> cell_bits)};
+    if (blocks_.empty() || blocks_.back().count == block_size ||
+        std::memcmp(blocks_.back().cell, cell, sizeof(cell)) != 0) {
+      blocks_.push_back({{cell[0], cell[1], cell[2]}, 0, static_cast<std::uint32_t>(i)});
+      boxes.emplace_back();
+    }
+    ++blocks_.back().count;
+    packed_.push_back({static_cast<std::uint64_t>(a.x & cell_mask) |
+                           static_cast<std::uint64_t>(a.y & cell_mask) << cell_bits |
+                           static_cast<std::uint64_t>(a.z & cell_mask) << (2 * cell_bits),
+                       r.radius, r.energy});
+    const auto extras = extras_of(r);
+    if (type.variable) extra_offsets_.push_back(static_cast<std::uint32_t>(pool_.size()));
+    pool_.insert(pool_.end(), extras.begin(), extras.end());
+    const float reach = reach_of(r.radius, extras);
+    const Vec3f c{static_cast<float>(to_metres(a.x)), static_cast<float>(to_metres(a.y)),
+                  static_cast<float>(to_metres(a.z))};
+    // The anchor itself is rounded to float here: 8 mm at the limit of the frame.
+    boxes.back().expand(Box3f{c, c}.grown(reach + position_slack));
+  }
+  if (type.variable) extra_offsets_.push_back(static_cast<std::uint32_t>(pool_.size()));
+  packed_.shrink_to_fit();
+  blocks_.shrink_to_fit();
+  pool_.shrink_to_fit();
+  for (const Box3f& b : boxes) bounds_.expand(b);
+  build_index(boxes);
+}
+
+float Cloud::reach_of(float radius, std::span<const float> extras) const {
+  const float support = type_->volumetric ? radius + falloff_ : radius;
+  return padded(support + noise_.amplitude + type_->extent(extras));
+}
+
+void Cloud::build_index(const std::vector<Box3f>& boxes) {
+  std::vector<Box3f> current = boxes;
+  while (!current.empty()) {
+    const std::size_t nodes = (current.size() + fan - 1) / fan;
+    std::vector<Wide> level(nodes);
+    std::vector<Box3f> parents(nodes);
+    for (std::size_t i = 0; i < nodes * fan; ++i) {
+      const Box3f box = i < current.size() ? current[i] : Box3f{};
+      Wide& w = level[i / fan];
+      const auto c = i % fan;
+      w.lo[0][c] = box.lo.x, w.lo[1][c] = box.lo.y, w.lo[2][c] = box.lo.z;
+      w.hi[0][c] = box.hi.x, w.hi[1][c] = box.hi.y, w.hi[2][c] = box.hi.z;
+      parents[i / fan].expand(box);
+    }
+    levels_.push_back(std::move(level));
+    if (nodes == 1) break;
+    current = std::move(parents);
+  }
+}
+
+std::uint64_t Cloud::bytes() const {
+  std::uint64_t total = sizeof(*this) + packed_.size() * sizeof(PackedPrimitive) +
+                        blocks_.size() * sizeof(Block) + pool_.size() * sizeof(float) +
+                        extra_offsets_.size() * sizeof(std::uint32_t);
+  for (const auto& level : levels_) total += level.size() * sizeof(Wide);
+  return total;
+}
+
+void Cloud::decode(const Block& block, std::size_t i, Primitives& out) const {
+  const PackedPrimitive& p = packed_[i];
+  out.x.push_back((block.cell[0] * (1 << cell_bits)) + static_cast<std::int32_t>(p.anchor & cell_mask));
+  out.y.push_back((block.cell[1] * (1 << cell_bits)) +
+                  static_cast<std::int32_t>(p.anchor >> cell_bits & cell_mask));
+  out.z.push_back((block.cell[2] * (1 << cell_bits)) +
+                  static_cast<std::int32_t>(p.anchor >> (2 * cell_bits) & cell_mask));
+  out.radius.push_back(p.radius);
+  out.energy.push_back(p.energy);
+  std::span<const float> extras;
+  if (type_->extras > 0) {
+    const std::size_t begin =
+        type_->variable ? extra_offsets_[i] : i * static_cast<std::size_t>(type_->extras);
+    const std::size_t end =
+        type_->variable ? extra_offsets_[i + 1] : begin + static_cast<std::size_t>(type_->extras);
+    out.extra.push_back(static_cast<std::uint32_t>(begin));
+    out.extra_count.push_back(static_cast<std::uint32_t>(end - begin));
+    extras = std::span(pool_).subspan(begin, end - begin);
+  }
+  out.reach.push_back(reach_of(p.radius, extras));
+}
+
+void Cloud::collect(const Box3f& box, Primitives& out) const {
+  if (levels_.empty()) return;
+  const float lo[3] = {box.lo.x, box.lo.y, box.lo.z}, hi[3] = {box.hi.x, box.hi.y, box.hi.z};
+  const auto hits = [&](const Wide& w) {
+    unsigned mask = 0;
+    for (int c = 0; c < fan; ++c) {
+      const bool hit = (w.lo[0][c] <= hi[0]) & (w.hi[0][c] >= lo[0]) & (w.lo[1][c] <= hi[1]) &
+                       (w.hi[1][c] >= lo[1]) & (w.lo[2][c] <= hi[2]) & (w.hi[2][c] >= lo[2]);
+      mask |= static_cast<unsigned>(hit) << c;
+    }
+    return mask;
+  };
+  // Depth first, children in order: primitives come out sorted. Ten levels of eight hold 10^9 blocks.
+  struct Frame {
+    std::size_t node;
+    unsigned mask;
+  };
+  std::array<Frame, 16> stack;
+  std::size_t depth = 0;
+  const std::size_t top = levels_.size() - 1;
+  stack[0] = {0, hits(levels_[top][0])};
+  for (;;) {
+    Frame& frame = stack[depth];
+    if (frame.mask == 0) {
+      if (depth == 0) return;
+      --depth;
+      continue;
+    }
+    const std::size_t child = frame.node * fan + static_cast<std::size_t>(std::countr_zero(frame.mask));
+    frame.mask &= frame.mask - 1;
+    if (depth < top) {
+      ++depth;
+      stack[depth] = {child, hits(levels_[top - depth][child])};
+      continue;
+    }
+    const Block& block = blocks_[child];
+    for (std::size_t i = block.first; i < block.first + block.count; ++i) {
+      decode(block, i, out);
+      const std::size_t n = out.size() - 1;
+      const float c[3] = {static_cast<float>(to_metres(out.x[n])), static_cast<float>(to_metres(out.y[n])),
+                          static_cast<float>(to_metres(out.z[n]))};
+      float d2 = 0;
+      for (int a = 0; a < 3; ++a) {
+        const float d = std::max(std::max(lo[a] - c[a], c[a] - hi[a]), 0.f);
+        d2 += d * d;
+      }
+      const float reach = out.reach[n] + position_slack;
+      if (d2 <= reach * reach) continue;
+      out.x.pop_back(), out.y.pop_back(), out.z.pop_back();
+      out.radius.pop_back(), out.energy.pop_back(), out.reach.pop_back();
+      if (type_->extras > 0) out.extra.pop_back(), out.extra_count.pop_back();
+    }
+  }
+}
+
+Interval Cloud::contribution(const Primitives& p, std::size_t i, const Box3f& box) const {
+  const Vec3f a{static_cast<float>(to_metres(p.x[i])), static_cast<float>(to_metres(p.y[i])),
+                static_cast<float>(to_metres(p.z[i]))};
+  const float spread =
+      type_->extras == 0 ? 0.f : p.reach[i] - (type_->volumetric ? p.radius[i] + falloff_ : p.radius[i]);
+  const float near2 = [&] {
+    const float dx = std::max(std::max(box.lo.x - a.x, a.x - box.hi.x), 0.f);
+    const float dy = std::max(std::max(box.lo.y - a.y, a.y - box.hi.y), 0.f);
+    const float dz = std::max(std::max(box.lo.z - a.z, a.z - box.hi.z), 0.f);
+    return dx * dx + dy * dy + dz * dz;
+  }();
+  const float far2 = [&] {
+    const float dx = std::max(a.x - box.lo.x, box.hi.x - a.x);
+    const float dy = std::max(a.y - box.lo.y, box.hi.y - a.y);
+    const float dz = std::max(a.z - box.lo.z, box.hi.z - a.z);
+    return dx * dx + dy * dy + dz * dz;
+  }();
+  // Least and greatest distance to the skeleton: the skeleton lies within `spread` of the anchor and reaches
+  // it.
+  const float slack = position_slack;
+  const float near = std::max(std::sqrt(near2) - spread - slack, 0.f);
+  const float far = std::sqrt(far2) + slack;
+  const auto closeness = [&](float d, float noise) {
+    const float support = type_->volumetric ? falloff_ : p.radius[i] + noise;
+    const float q = (type_->volumetric ? std::max(d - p.radius[i] - noise, 0.f) : d) / support;
+    const float t = std::max(1.f - q * q, 0.f);
+    return t * t * t;
+  };
+  const float most = closeness(near, noise_.amplitude), least = closeness(far, -noise_.amplitude);
+  const float e = p.energy[i];
+  return e < 0 ? Interval{e * most, e * least} : Interval{e * least, e * most};
+}
+
+Interval Cloud::interval(const Box3f& box, Primitives& scratch) const {
+  scratch.clear();
+  collect(box, scratch);
+  Interval sum{0, 0};
+  for (std::size_t i = 0; i < scratch.size(); ++i) sum = sum + contribution(scratch, i, box);
+  return sum;
+}
+
+}  // namespace tafoni::field::impl

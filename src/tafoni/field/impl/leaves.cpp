@@ -1,0 +1,307 @@
+#include "tafoni/field/impl/leaves.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tafoni/field/impl/leaves.cpp"
+#include <hwy/foreach_target.h>
+// foreach_target must come before what it compiles again.
+#include <algorithm>
+
+#include "tafoni/math/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tafoni::field::impl {
+namespace HWY_NAMESPACE {
+using namespace tafoni::HWY_NAMESPACE;
+
+HWY_INLINE Lanes sigma_lanes(const Sigma& s, Lanes x) {
+  const Lanes a = abs(x);
+  const Lanes poly = a * mul_add(a, mul_add(a, Lanes(s.k3), Lanes(s.k2)), Lanes(1.f));
+  return hn::CopySign(select(a < Lanes(s.influence), poly, Lanes(s.amplitude)).v, x.v);
+}
+HWY_INLINE Lanes sigma_slope(const Sigma& s, Lanes x) {
+  const Lanes a = abs(x);
+  const Lanes slope = mul_add(a, mul_add(a, Lanes(3 * s.k3), Lanes(2 * s.k2)), Lanes(1.f));
+  return select(a < Lanes(s.influence), slope, Lanes(0.f));
+}
+HWY_INLINE Lanes metres_of(const std::int32_t* units, const float* rest) {
+  return mul_add(to_lanes(Ints::load(units)), Lanes(static_cast<float>(unit)), Lanes::load(rest));
+}
+
+/// a0 w0 + a1 w1 + a2 w2 + a3 w3, in this order everywhere, so that columns and points agree.
+HWY_INLINE Lanes weighted(Lanes a0, Lanes a1, Lanes a2, Lanes a3, Lanes w0, Lanes w1, Lanes w2, Lanes w3) {
+  return mul_add(a3, w3, mul_add(a2, w2, mul_add(a1, w1, a0 * w0)));
+}
+
+/// Four raster rows joined by vertical weights, over pixels [first, first + n); clamped at the borders.
+HWY_INLINE void join_rows(const raster::Grid<float>& grid, const Taps& y, const float (&w)[4], int first,
+                          int n, float* out) {
+  const float* rows[4];
+  for (int r = 0; r < 4; ++r) rows[r] = grid.row(std::clamp(y.first + r, 0, grid.height() - 1));
+  const int lo = std::clamp(-first, 0, n), hi = std::clamp(grid.width() - first, lo, n);
+  const int width = static_cast<int>(lane_count());
+  const auto one = [&](int i) {
+    const int c = std::clamp(first + i, 0, grid.width() - 1);
+    alignas(32) float lanes[8];
+    weighted(Lanes(rows[0][c]), Lanes(rows[1][c]), Lanes(rows[2][c]), Lanes(rows[3][c]), Lanes(w[0]),
+             Lanes(w[1]), Lanes(w[2]), Lanes(w[3]))
+        .store(lanes);
+    out[i] = lanes[0];
+  };
+  int i = 0;
+  for (; i < lo; ++i) one(i);
+  for (; i + width <= hi; i += width) {
+    const int c = first + i;
+    weighted(Lanes::load(rows[0] + c), Lanes::load(rows[1] + c), Lanes::load(rows[2] + c),
+             Lanes::load(rows[3] + c), Lanes(w[0]), Lanes(w[1]), Lanes(w[2]), Lanes(w[3]))
+        .store(out + i);
+  }
+  for (; i < n; ++i) one(i);
+}
+
+HWY_INLINE Lanes gathered(const float* base, const std::int32_t* index, int tap) {
+  return hn::GatherIndex(float_tag, base + tap, Ints::load(index).v);
+}
+
+struct AxisTaps {
+  alignas(32) float w[4][Axis::size], d[4][Axis::size];
+  alignas(32) std::int32_t first[Axis::size];
+  int lo, hi;  ///< pixels touched, before clamping
+};
+
+HWY_INLINE void sample_columns(const Sampler& sampler, const Axis& x, const Axis& y, bool slopes,
+                               float* value, float* gx, float* gy) {
+  AxisTaps tx;
+  tx.lo = INT32_MAX, tx.hi = INT32_MIN;
+  for (int i = 0; i < Axis::size; ++i) {
+    const Taps t = sampler.taps_x(x.metres[i]);
+    for (int k = 0; k < 4; ++k) tx.w[k][i] = t.w[k], tx.d[k][i] = t.d[k];
+    tx.first[i] = t.first;
+    tx.lo = std::min(tx.lo, t.first), tx.hi = std::max(tx.hi, t.first + 3);
+  }
+  for (auto& f : tx.first) f -= tx.lo;
+  const int n = tx.hi - tx.lo + 1;
+  std::vector<float> rows(static_cast<std::size_t>(2 * n));
+  float* v = rows.data();
+  float* vy = v + n;
+  for (int j = 0; j < Columns::rows; ++j) {
+    const Taps ty = sampler.taps_y(y.metres[j]);
+    join_rows(sampler.raster().values, ty, ty.w, tx.lo, n, v);
+    if (slopes) join_rows(sampler.raster().values, ty, ty.d, tx.lo, n, vy);
+    for (int i = 0; i < Axis::size; i += static_cast<int>(lane_count())) {
+      const Lanes a0 = gathered(v, tx.first + i, 0), a1 = gathered(v, tx.first + i, 1),
+                  a2 = gathered(v, tx.first + i, 2), a3 = gathered(v, tx.first + i, 3);
+      const Lanes w0 = Lanes::load(tx.w[0] + i), w1 = Lanes::load(tx.w[1] + i), w2 = Lanes::load(tx.w[2] + i),
+                  w3 = Lanes::load(tx.w[3] + i);
+      weighted(a0, a1, a2, a3, w0, w1, w2, w3).store(value + j * Columns::stride + i);
+      if (!slopes) continue;
+      weighted(a0, a1, a2, a3, Lanes::load(tx.d[0] + i), Lanes::load(tx.d[1] + i), Lanes::load(tx.d[2] + i),
+               Lanes::load(tx.d[3] + i))
+          .store(gx + j * Columns::stride + i);
+      weighted(gathered(vy, tx.first + i, 0), gathered(vy, tx.first + i, 1), gathered(vy, tx.first + i, 2),
+               gathered(vy, tx.first + i, 3), w0, w1, w2, w3)
+          .store(gy + j * Columns::stride + i);
+    }
+  }
+}
+
+/// 1 / sqrt(1 + |grad h|^2): turns the vertical distance into the first-order distance.
+HWY_INLINE Lanes first_order_scale(Lanes gx, Lanes gy) {
+  return Lanes(1.f) / sqrt(mul_add(gy, gy, mul_add(gx, gx, Lanes(1.f))));
+}
+
+void height_columns(const HeightLeaf& leaf, const Axis& x, const Axis& y, Columns& out) {
+  constexpr std::size_t n = Columns::rows * Columns::stride;
+  out.value.resize(n);
+  out.scale.resize(n);
+  if (!leaf.first_order) {
+    sample_columns(leaf.sampler, x, y, false, out.value.data(), nullptr, nullptr);
+    std::fill(out.scale.begin(), out.scale.end(), 1.f);
+    return;
+  }
+  std::vector<float> gy(n);
+  sample_columns(leaf.sampler, x, y, true, out.value.data(), out.scale.data(), gy.data());
+  const Lanes sx(leaf.sampler.slope_x()), sy(leaf.sampler.slope_y());
+  for (std::size_t i = 0; i < n; i += lane_count())
+    first_order_scale(Lanes::load(&out.scale[i]) * sx, Lanes::load(&gy[i]) * sy).store(&out.scale[i]);
+}
+
+/// Signed distance to the rectangle's border in the plane, positive inside.
+HWY_INLINE float rectangle_distance(const Box3d& box, double x, double y) {
+  return static_cast<float>(
+      std::min(std::min(x - box.lo.x, box.hi.x - x), std::min(y - box.lo.y, box.hi.y - y)));
+}
+
+void domain_columns(const DomainLeaf& leaf, const Axis& x, const Axis& y, Columns& out) {
+  constexpr std::size_t n = Columns::rows * Columns::stride;
+  out.value.resize(n);
+  if (leaf.inside) sample_columns(*leaf.inside, x, y, false, out.value.data(), nullptr, nullptr);
+  for (int j = 0; j < Columns::rows; ++j)
+    for (int i = 0; i < Columns::stride; ++i) {
+      float& v = out.value[static_cast<std::size_t>(j * Columns::stride + i)];
+      const float r = rectangle_distance(leaf.domain.box, x.metres[i], y.metres[j]);
+      v = leaf.inside ? std::min(v, r) : r;
+    }
+}
+
+void height_block(const HeightLeaf& leaf, const float* value, const float* scale, const Block& block) {
+  alignas(32) float z[8];
+  for (std::size_t l = 0; l < 8; l += lane_count()) metres_of(block.z + l, block.zr + l).store(z + l);
+  for (int j = 0; j < block.ny; ++j)
+    for (std::size_t l = 0; l < 8; l += lane_count()) {
+      const Lanes h = Lanes::load(value + j * Columns::stride + l),
+                  c = Lanes::load(scale + j * Columns::stride + l);
+      for (int k = 0; k < block.nz; ++k)
+        sigma_lanes(leaf.sigma, (h - Lanes(z[k])) * c).store(block.f + k * block.plane + j * block.row + l);
+    }
+}
+
+void domain_block(const DomainLeaf& leaf, const float* value, const Block& block) {
+  alignas(32) float z[8];
+  for (std::size_t l = 0; l < 8; l += lane_count())
+    (metres_of(block.z + l, block.zr + l) - Lanes(static_cast<float>(leaf.domain.box.lo.z))).store(z + l);
+  for (int j = 0; j < block.ny; ++j)
+    for (std::size_t l = 0; l < 8; l += lane_count()) {
+      const Lanes d = Lanes::load(value + j * Columns::stride + l);
+      for (int k = 0; k < block.nz; ++k)
+        sigma_lanes(leaf.sigma, min(d, Lanes(z[k]))).store(block.f + k * block.plane + j * block.row + l);
+    }
+}
+
+/// Value and derivatives, per pixel, of a raster at eight points; [tap][lane].
+struct PointSamples {
+  alignas(32) float v[4][8], vy[4][8], vyy[4][8];
+  alignas(32) float w[4][8], d[4][8], dd[4][8];
+};
+
+HWY_INLINE void sample_points(const Sampler& sampler, const Vec3d* p, int derivatives, PointSamples& s) {
+  const auto& grid = sampler.raster().values;
+  for (int l = 0; l < 8; ++l) {
+    const Taps tx = sampler.taps_x(p[l].x), ty = sampler.taps_y(p[l].y);
+    float joined[8];
+    join_rows(grid, ty, ty.w, tx.first, 4, joined);
+    for (int k = 0; k < 4; ++k)
+      s.v[k][l] = joined[k], s.w[k][l] = tx.w[k], s.d[k][l] = tx.d[k], s.dd[k][l] = tx.dd[k];
+    if (derivatives < 1) continue;
+    join_rows(grid, ty, ty.d, tx.first, 4, joined);
+    for (int k = 0; k < 4; ++k) s.vy[k][l] = joined[k];
+    if (derivatives < 2) continue;
+    join_rows(grid, ty, ty.dd, tx.first, 4, joined);
+    for (int k = 0; k < 4; ++k) s.vyy[k][l] = joined[k];
+  }
+}
+HWY_INLINE Lanes across(const float (&a)[4][8], const float (&w)[4][8], std::size_t l) {
+  return weighted(Lanes::load(a[0] + l), Lanes::load(a[1] + l), Lanes::load(a[2] + l), Lanes::load(a[3] + l),
+                  Lanes::load(w[0] + l), Lanes::load(w[1] + l), Lanes::load(w[2] + l), Lanes::load(w[3] + l));
+}
+
+void height_points(const HeightLeaf& leaf, const Vec3d* p, const PointLanes& lanes, float* f) {
+  PointSamples s;
+  sample_points(leaf.sampler, p, leaf.first_order ? 1 : 0, s);
+  const Lanes sx(leaf.sampler.slope_x()), sy(leaf.sampler.slope_y());
+  for (std::size_t l = 0; l < 8; l += lane_count()) {
+    const Lanes v = across(s.v, s.w, l) - metres_of(lanes.z + l, lanes.zr + l);
+    const Lanes c = leaf.first_order ? first_order_scale(across(s.v, s.d, l) * sx, across(s.vy, s.w, l) * sy)
+                                     : Lanes(1.f);
+    sigma_lanes(leaf.sigma, v * c).store(f + l);
+  }
+}
+
+void height_gradients(const HeightLeaf& leaf, const Vec3d* p, const PointLanes& lanes, PointValues& out) {
+  PointSamples s;
+  sample_points(leaf.sampler, p, leaf.first_order ? 2 : 1, s);
+  const Lanes sx(leaf.sampler.slope_x()), sy(leaf.sampler.slope_y()), one(1.f);
+  for (std::size_t l = 0; l < 8; l += lane_count()) {
+    const Lanes v = across(s.v, s.w, l) - metres_of(lanes.z + l, lanes.zr + l);
+    const Lanes gx = across(s.v, s.d, l) * sx, gy = across(s.vy, s.w, l) * sy;
+    const Lanes c = leaf.first_order ? first_order_scale(gx, gy) : one;
+    const Lanes x = v * c, slope = sigma_slope(leaf.sigma, x);
+    sigma_lanes(leaf.sigma, x).store(out.v + l);
+    Lanes dx = c * gx, dy = c * gy;
+    if (leaf.first_order) {  // grad(v c) = c grad v + v grad c, grad c = -c^3 (Hessian of h) (grad h)
+      const Lanes hxx = across(s.v, s.dd, l) * sx * sx, hxy = across(s.vy, s.d, l) * sx * sy,
+                  hyy = across(s.vyy, s.w, l) * sy * sy;
+      const Lanes k = v * c * c * c;
+      dx = dx - k * (gx * hxx + gy * hxy);
+      dy = dy - k * (gx * hxy + gy * hyy);
+    }
+    (slope * dx).store(out.gx + l);
+    (slope * dy).store(out.gy + l);
+    (slope * -c).store(out.gz + l);
+  }
+}
+
+void domain_gradients(const DomainLeaf& leaf, const Vec3d* p, const PointLanes& lanes, PointValues& out) {
+  PointSamples s;
+  alignas(32) float inside[8], inside_x[8], inside_y[8], z[8], d[8];
+  if (leaf.inside) sample_points(*leaf.inside, p, 1, s);
+  for (std::size_t l = 0; l < 8; l += lane_count()) {
+    (metres_of(lanes.z + l, lanes.zr + l) - Lanes(static_cast<float>(leaf.domain.box.lo.z))).store(z + l);
+    if (!leaf.inside) continue;
+    across(s.v, s.w, l).store(inside + l);
+    (across(s.v, s.d, l) * Lanes(leaf.inside->slope_x())).store(inside_x + l);
+    (across(s.vy, s.w, l) * Lanes(leaf.inside->slope_y())).store(inside_y + l);
+  }
+  const Box3d& box = leaf.domain.box;
+  for (int l = 0; l < 8; ++l) {
+    const float plane = rectangle_distance(box, p[l].x, p[l].y);
+    d[l] = leaf.inside ? std::min(inside[l], plane) : plane;
+    out.gx[l] = out.gy[l] = out.gz[l] = 0;
+    if (z[l] < d[l]) {
+      out.gz[l] = 1;
+    } else if (leaf.inside && inside[l] < plane) {
+      out.gx[l] = inside_x[l], out.gy[l] = inside_y[l];
+    } else {
+      const double west = p[l].x - box.lo.x, east = box.hi.x - p[l].x, south = p[l].y - box.lo.y,
+                   north = box.hi.y - p[l].y;
+      const double least = std::min(std::min(west, east), std::min(south, north));
+      if (least == west)
+        out.gx[l] = 1;
+      else if (least == east)
+        out.gx[l] = -1;
+      else
+        out.gy[l] = least == south ? 1.f : -1.f;
+    }
+  }
+  for (std::size_t l = 0; l < 8; l += lane_count()) {
+    const Lanes x = min(Lanes::load(d + l), Lanes::load(z + l)), slope = sigma_slope(leaf.sigma, x);
+    sigma_lanes(leaf.sigma, x).store(out.v + l);
+    (slope * Lanes::load(out.gx + l)).store(out.gx + l);
+    (slope * Lanes::load(out.gy + l)).store(out.gy + l);
+    (slope * Lanes::load(out.gz + l)).store(out.gz + l);
+  }
+}
+
+void domain_points(const DomainLeaf& leaf, const Vec3d* p, const PointLanes& lanes, float* f) {
+  PointSamples s;
+  alignas(32) float d[8];
+  if (leaf.inside) sample_points(*leaf.inside, p, 0, s);
+  for (int l = 0; l < 8; ++l) d[l] = rectangle_distance(leaf.domain.box, p[l].x, p[l].y);
+  for (std::size_t l = 0; l < 8; l += lane_count()) {
+    Lanes plane = Lanes::load(d + l);
+    if (leaf.inside) plane = min(across(s.v, s.w, l), plane);
+    const Lanes z = metres_of(lanes.z + l, lanes.zr + l) - Lanes(static_cast<float>(leaf.domain.box.lo.z));
+    sigma_lanes(leaf.sigma, min(plane, z)).store(f + l);
+  }
+}
+
+LeafKernels make_leaf_kernels() {
+  return {&height_columns, &domain_columns,   &height_block,  &domain_block,
+          &height_points,  &height_gradients, &domain_points, &domain_gradients};
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tafoni::field::impl
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tafoni::field::impl {
+
+HWY_EXPORT(make_leaf_kernels);
+
+const LeafKernels& leaf_kernels() {
+  static const LeafKernels table = HWY_DYNAMIC_DISPATCH(make_leaf_kernels)();
+  return table;
+}
+
+}  // namespace tafoni::field::impl
+#endif

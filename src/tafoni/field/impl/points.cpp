@@ -1,0 +1,93 @@
+#include "tafoni/field/impl/points.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace tafoni::field::impl {
+
+PointWork& PointWork::local() {
+  static thread_local PointWork work;
+  return work;
+}
+
+void PointWork::load(std::span<const Vec3d> points, std::span<const std::uint32_t> pack) {
+  for (std::size_t l = 0; l < 8; ++l) {
+    const Vec3d& p = points[pack[l < pack.size() ? l : 0]];
+    points_[l] = p;
+    const Fixed x = to_fixed(p.x), y = to_fixed(p.y), z = to_fixed(p.z);
+    lanes_.x[l] = x.units, lanes_.y[l] = y.units, lanes_.z[l] = z.units;
+    lanes_.xr[l] = x.rest, lanes_.yr[l] = y.rest, lanes_.zr[l] = z.rest;
+  }
+}
+
+void PointWork::collect(const Program& program) {
+  Box3f box;
+  for (const Vec3d& p : points_) box.expand(to_float(p));
+  decoded_.resize(std::max(decoded_.size(), program.clouds.size()));
+  lists_.clear();
+  for (std::size_t c = 0; c < program.clouds.size(); ++c) {
+    decoded_[c].clear();
+    program.clouds[c]->collect(box, decoded_[c]);
+    const std::size_t n = decoded_[c].size();
+    if (iota_.size() < n) {
+      iota_.resize(n);
+      std::iota(iota_.begin(), iota_.end(), 0u);
+    }
+    lists_.push_back({&decoded_[c], nullptr, n});
+  }
+  for (List& list : lists_) list.items = iota_.data();
+}
+
+const float* PointWork::values(const Program& program) {
+  if (value_slots_.size() < program.depth) value_slots_.resize(program.depth);
+  const LeafKernels& kernels = leaf_kernels();
+  const auto slot = [&](int i) { return value_slots_[static_cast<std::size_t>(i)].f; };
+  walk(
+      program, nullptr,
+      [&](int i, const Instruction& in) {
+        if (in.kind == Instruction::Kind::height)
+          kernels.height_points(*program.heights[in.index], points_, lanes_, slot(i));
+        else if (in.kind == Instruction::Kind::domain)
+          kernels.domain_points(*program.domains[in.index], points_, lanes_, slot(i));
+        else
+          std::fill_n(slot(i), 8, in.value);
+      },
+      [&](int i, const Instruction& in) {
+        const List& list = lists_[in.index];
+        if (list.count == 0) return;
+        const Cloud& cloud = *program.clouds[in.index];
+        cloud.type().kernels().add_points(cloud.view(*list.primitives), list.items, list.count, lanes_,
+                                          slot(i));
+      },
+      [&](int i, const Instruction& in) { in.op->kernels().points(slot(i), slot(i + 1)); });
+  return slot(0);
+}
+
+const PointValues& PointWork::gradients(const Program& program) {
+  if (gradient_slots_.size() < program.depth) gradient_slots_.resize(program.depth);
+  const LeafKernels& kernels = leaf_kernels();
+  const auto slot = [&](int i) -> PointValues& { return gradient_slots_[static_cast<std::size_t>(i)]; };
+  walk(
+      program, nullptr,
+      [&](int i, const Instruction& in) {
+        if (in.kind == Instruction::Kind::height) {
+          kernels.height_gradients(*program.heights[in.index], points_, lanes_, slot(i));
+        } else if (in.kind == Instruction::Kind::domain) {
+          kernels.domain_gradients(*program.domains[in.index], points_, lanes_, slot(i));
+        } else {
+          slot(i) = {};
+          std::fill_n(slot(i).v, 8, in.value);
+        }
+      },
+      [&](int i, const Instruction& in) {
+        const List& list = lists_[in.index];
+        if (list.count == 0) return;
+        const Cloud& cloud = *program.clouds[in.index];
+        cloud.type().kernels().add_gradients(cloud.view(*list.primitives), list.items, list.count, lanes_,
+                                             slot(i));
+      },
+      [&](int i, const Instruction& in) { in.op->kernels().gradients(slot(i), slot(i + 1)); });
+  return slot(0);
+}
+
+}  // namespace tafoni::field::impl

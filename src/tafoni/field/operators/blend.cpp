@@ -1,0 +1,56 @@
+#include "tafoni/field/operator.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tafoni/field/operators/blend.cpp"
+#include <hwy/foreach_target.h>
+// foreach_target must come before what it compiles again.
+#include "tafoni/field/impl/operator-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tafoni::field::impl {
+namespace HWY_NAMESPACE {
+
+struct Blend {
+  template <class N>
+  static HWY_INLINE N apply(const N& a, const N& b) {
+    return a + b;
+  }
+};
+OperatorKernels blend_kernels() {
+  return make_operator<Blend>();
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tafoni::field::impl
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tafoni::field {
+namespace impl {
+HWY_EXPORT(blend_kernels);
+}
+namespace {
+
+const impl::OperatorKernels& kernels() {
+  static const impl::OperatorKernels table = HWY_DYNAMIC_DISPATCH(impl::blend_kernels)();
+  return table;
+}
+
+}  // namespace
+
+const OperatorType& operator_blend() {
+  static const OperatorType type{
+      "blend",
+      "Sum of the operands",
+      "document 003, section 5.3",
+      [](Interval a, Interval b) { return a + b; },
+      [](Interval a, Interval b) {
+        return a.lo == 0 && a.hi == 0 ? Needs::second : b.lo == 0 && b.hi == 0 ? Needs::first : Needs::both;
+      },
+      &kernels,
+  };
+  return type;
+}
+
+}  // namespace tafoni::field
+#endif

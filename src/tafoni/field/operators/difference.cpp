@@ -1,0 +1,56 @@
+#include "tafoni/field/operator.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tafoni/field/operators/difference.cpp"
+#include <hwy/foreach_target.h>
+// foreach_target must come before what it compiles again.
+#include "tafoni/field/impl/operator-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tafoni::field::impl {
+namespace HWY_NAMESPACE {
+
+struct Difference {
+  template <class N>
+  static HWY_INLINE N apply(const N& a, const N& b) {
+    return min(a, -b);
+  }
+};
+OperatorKernels difference_kernels() {
+  return make_operator<Difference>();
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tafoni::field::impl
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tafoni::field {
+namespace impl {
+HWY_EXPORT(difference_kernels);
+}
+namespace {
+
+const impl::OperatorKernels& kernels() {
+  static const impl::OperatorKernels table = HWY_DYNAMIC_DISPATCH(impl::difference_kernels)();
+  return table;
+}
+
+}  // namespace
+
+const OperatorType& operator_difference() {
+  static const OperatorType type{
+      "difference",
+      "The first operand without the solid of the second: min(a, -b)",
+      "document 003, section 5.3",
+      [](Interval a, Interval b) {
+        return Interval{std::min(a.lo, -b.hi), std::min(a.hi, -b.lo)};
+      },
+      [](Interval a, Interval b) { return a.hi < -b.hi ? Needs::first : Needs::both; },
+      &kernels,
+  };
+  return type;
+}
+
+}  // namespace tafoni::field
+#endif

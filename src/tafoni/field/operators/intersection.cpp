@@ -1,0 +1,58 @@
+#include "tafoni/field/operator.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tafoni/field/operators/intersection.cpp"
+#include <hwy/foreach_target.h>
+// foreach_target must come before what it compiles again.
+#include "tafoni/field/impl/operator-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tafoni::field::impl {
+namespace HWY_NAMESPACE {
+
+struct Intersection {
+  template <class N>
+  static HWY_INLINE N apply(const N& a, const N& b) {
+    return min(a, b);
+  }
+};
+OperatorKernels intersection_kernels() {
+  return make_operator<Intersection>();
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tafoni::field::impl
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tafoni::field {
+namespace impl {
+HWY_EXPORT(intersection_kernels);
+}
+namespace {
+
+const impl::OperatorKernels& kernels() {
+  static const impl::OperatorKernels table = HWY_DYNAMIC_DISPATCH(impl::intersection_kernels)();
+  return table;
+}
+
+}  // namespace
+
+const OperatorType& operator_intersection() {
+  static const OperatorType type{
+      "intersection",
+      "Solid where all operands are: the least value",
+      "document 003, section 5.3",
+      [](Interval a, Interval b) {
+        return Interval{std::min(a.lo, b.lo), std::min(a.hi, b.hi)};
+      },
+      [](Interval a, Interval b) {
+        return a.hi < b.lo ? Needs::first : b.hi < a.lo ? Needs::second : Needs::both;
+      },
+      &kernels,
+  };
+  return type;
+}
+
+}  // namespace tafoni::field
+#endif

@@ -1,0 +1,58 @@
+#include "tafoni/field/operator.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tafoni/field/operators/union.cpp"
+#include <hwy/foreach_target.h>
+// foreach_target must come before what it compiles again.
+#include "tafoni/field/impl/operator-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tafoni::field::impl {
+namespace HWY_NAMESPACE {
+
+struct Union {
+  template <class N>
+  static HWY_INLINE N apply(const N& a, const N& b) {
+    return max(a, b);
+  }
+};
+OperatorKernels union_kernels() {
+  return make_operator<Union>();
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tafoni::field::impl
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tafoni::field {
+namespace impl {
+HWY_EXPORT(union_kernels);
+}
+namespace {
+
+const impl::OperatorKernels& kernels() {
+  static const impl::OperatorKernels table = HWY_DYNAMIC_DISPATCH(impl::union_kernels)();
+  return table;
+}
+
+}  // namespace
+
+const OperatorType& operator_union() {
+  static const OperatorType type{
+      "union",
+      "Solid where any operand is: the greatest value",
+      "document 003, section 5.3",
+      [](Interval a, Interval b) {
+        return Interval{std::max(a.lo, b.lo), std::max(a.hi, b.hi)};
+      },
+      [](Interval a, Interval b) {
+        return a.lo > b.hi ? Needs::first : b.lo > a.hi ? Needs::second : Needs::both;
+      },
+      &kernels,
+  };
+  return type;
+}
+
+}  // namespace tafoni::field
+#endif

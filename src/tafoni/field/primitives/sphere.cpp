@@ -1,0 +1,63 @@
+#include "tafoni/field/primitive.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tafoni/field/primitives/sphere.cpp"
+#include <hwy/foreach_target.h>
+// foreach_target must come before what it compiles again.
+#include "tafoni/field/impl/primitive-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tafoni::field::impl {
+namespace HWY_NAMESPACE {
+
+struct Sphere {
+  static constexpr bool volumetric = true, has_extras = false;
+  template <class N>
+  static HWY_INLINE Vec3N<N> offset(const Vec3N<N>& p, const float*, std::uint32_t) {
+    return p;
+  }
+};
+
+PrimitiveKernels sphere_kernels() {
+  return make_kernels<Sphere>();
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tafoni::field::impl
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tafoni::field {
+namespace impl {
+HWY_EXPORT(sphere_kernels);
+}
+namespace {
+
+struct Params {
+  double radius = 5;
+};
+
+const impl::PrimitiveKernels& kernels() {
+  static const impl::PrimitiveKernels table = HWY_DYNAMIC_DISPATCH(impl::sphere_kernels)();
+  return table;
+}
+
+}  // namespace
+
+const PrimitiveType& primitive_sphere() {
+  static const PrimitiveType type = [] {
+    PrimitiveType t;
+    t.name = "sphere";
+    t.doc = "Constant inside a ball, then falls off over the influence radius";
+    t.source = "document 003, section 5.2";
+    t.params = ParamTable<Params>().real("radius", &Params::radius, "m", 1e-3, 1e4, "Radius of the ball");
+    t.volumetric = true;
+    t.extent = [](std::span<const float>) { return 0.f; };
+    t.kernels = &kernels;
+    return t;
+  }();
+  return type;
+}
+
+}  // namespace tafoni::field
+#endif

@@ -1,0 +1,146 @@
+#include "tafoni/field/tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+#include "tafoni/core/random.h"
+#include "tafoni/field/impl/node.h"
+
+namespace tafoni::field {
+
+Node::~Node() {
+  auto* own = std::get_if<Operation>(&content);
+  if (!own) return;
+  std::vector<NodePtr> pending = std::move(own->children);
+  while (!pending.empty()) {
+    const NodePtr node = std::move(pending.back());
+    pending.pop_back();
+    if (node.use_count() != 1) continue;
+    // The last owner may take the children apart: nobody else can see the node any more.
+    if (auto* op = std::get_if<Operation>(&const_cast<Node&>(*node).content)) {
+      std::move(op->children.begin(), op->children.end(), std::back_inserter(pending));
+      op->children.clear();
+    }
+  }
+}
+
+NodePtr heightfield(std::shared_ptr<const raster::Raster> heights, const TerrainSettings& settings) {
+  for (float h : heights->values.values())
+    if (!std::isfinite(h))
+      fail(ErrorKind::internal, "a heightfield must be filled before it becomes a field");
+  return std::make_shared<Node>(impl::HeightLeaf{impl::Sampler(std::move(heights), settings.bicubic),
+                                                 impl::Sigma(settings), settings.first_order});
+}
+
+NodePtr domain(const Domain& domain, const TerrainSettings& settings) {
+  if (!(domain.box.lo.x < domain.box.hi.x) || !(domain.box.lo.y < domain.box.hi.y))
+    fail(ErrorKind::usage, "the domain is empty");
+  return std::make_shared<Node>(impl::DomainLeaf{
+      domain, domain.inside ? std::make_unique<impl::Sampler>(domain.inside, false) : nullptr,
+      impl::Sigma(settings)});
+}
+
+NodePtr constant(float value) {
+  if (!std::isfinite(value)) fail(ErrorKind::usage, "a constant field must be finite");
+  return std::make_shared<Node>(value);
+}
+
+struct CloudBuilder::State {
+  const PrimitiveType* type;
+  float falloff;
+  impl::Noise noise;
+  std::vector<impl::Cloud::Record> records;
+  std::vector<float> pool;
+};
+
+CloudBuilder::CloudBuilder(const CloudSettings& settings) : state_(std::make_unique<State>()) {
+  state_->type = &find_primitive(settings.kind);
+  if (!(settings.falloff > 0) || !std::isfinite(settings.falloff))
+    fail(ErrorKind::usage, "a cloud's falloff must be a positive length in metres");
+  const MetricNoise& noise = settings.noise;
+  if (noise.amplitude < 0 || !(noise.wavelength > 0) || noise.octaves < 1 || noise.octaves > 12)
+    fail(ErrorKind::usage, "a cloud's noise wants amplitude >= 0, wavelength > 0 and 1 to 12 octaves");
+  state_->falloff = static_cast<float>(settings.falloff);
+  state_->noise = {static_cast<float>(noise.amplitude), static_cast<float>(1 / noise.wavelength),
+                   noise.octaves, static_cast<std::uint32_t>(mix64(noise.seed))};
+}
+CloudBuilder::~CloudBuilder() = default;
+CloudBuilder::CloudBuilder(CloudBuilder&&) noexcept = default;
+CloudBuilder& CloudBuilder::operator=(CloudBuilder&&) noexcept = default;
+
+void CloudBuilder::add(Vec3d anchor, float energy, std::span<const float> shape) {
+  State& s = *state_;
+  const PrimitiveType& type = *s.type;
+  const std::size_t extras = shape.empty() ? 0 : shape.size() - 1;
+  const auto group = static_cast<std::size_t>(type.extras);
+  const bool fits = type.variable ? extras >= group && extras % group == 0 : extras == group;
+  if (shape.empty() || !fits)
+    fail(ErrorKind::input, "a {} primitive cannot have {} shape numbers", type.name, shape.size());
+  bool finite =
+      std::isfinite(energy) && std::isfinite(anchor.x) && std::isfinite(anchor.y) && std::isfinite(anchor.z);
+  for (float v : shape) finite = finite && std::isfinite(v);
+  if (!finite) fail(ErrorKind::input, "a {} primitive has a number that is not finite", type.name);
+  if (!(shape[0] > 0))
+    fail(ErrorKind::input, "a {} primitive has radius {} m; it must be positive", type.name, shape[0]);
+  if (!type.volumetric && s.noise.amplitude >= shape[0])
+    fail(ErrorKind::input, "a {} primitive of radius {} m is thinner than its noise of {} m", type.name,
+         shape[0], s.noise.amplitude);
+  const double far = std::max({std::fabs(anchor.x), std::fabs(anchor.y), std::fabs(anchor.z)});
+  if (far + type.extent(shape.subspan(1)) + shape[0] > impl::reach_limit)
+    fail(ErrorKind::input, "a {} primitive lies {:.0f} m from the scene's origin; the limit is {:.0f} m",
+         type.name, far, impl::reach_limit);
+  s.records.push_back(
+      {{impl::to_fixed(anchor.x).units, impl::to_fixed(anchor.y).units, impl::to_fixed(anchor.z).units},
+       shape[0],
+       energy,
+       static_cast<std::uint32_t>(s.pool.size()),
+       static_cast<std::uint32_t>(extras)});
+  s.pool.insert(s.pool.end(), shape.begin() + 1, shape.end());
+}
+
+std::size_t CloudBuilder::size() const {
+  return state_->records.size();
+}
+
+NodePtr CloudBuilder::finish() {
+  State& s = *state_;
+  auto node = std::make_shared<Node>(impl::Cloud(*s.type, s.falloff, s.noise, std::move(s.records), s.pool));
+  s.records.clear();
+  s.pool.clear();
+  return node;
+}
+
+NodePtr combine(std::string_view op, std::vector<NodePtr> children) {
+  const OperatorType& type = find_operator(op);
+  std::erase(children, nullptr);
+  if (children.empty()) fail(ErrorKind::usage, "{} has no operands", op);
+  if (children.size() == 1) return children.front();
+  return std::make_shared<Node>(Node::Operation{&type, std::move(children)});
+}
+
+TreeStats stats(const NodePtr& root) {
+  TreeStats total;
+  std::unordered_set<const Node*> seen;
+  std::vector<const Node*> pending{root.get()};
+  while (!pending.empty()) {
+    const Node* node = pending.back();
+    pending.pop_back();
+    if (!node || !seen.insert(node).second) continue;
+    total.bytes += sizeof(Node);
+    if (const auto* cloud = node->cloud()) {
+      total.nodes += cloud->size();
+      total.primitives += cloud->size();
+      total.bytes += cloud->bytes();
+    } else {
+      ++total.nodes;
+    }
+    if (const auto* op = node->operation()) {
+      total.bytes += op->children.size() * sizeof(NodePtr);
+      for (const auto& child : op->children) pending.push_back(child.get());
+    }
+  }
+  return total;
+}
+
+}  // namespace tafoni::field
