@@ -1,6 +1,7 @@
 #pragma once
 // Still pictures of a mesh: sun with soft shadow, sky light with occlusion, or a lamp inside a cave.
 
+#include <memory>
 #include <optional>
 
 #include "tafoni/core/progress.h"
@@ -19,29 +20,47 @@ struct Camera {
 
 struct RenderSettings {
   int width = 1280, height = 720;
-  int samples = 16;                   ///< rays through each pixel; each also asks for sun and sky once
+  int samples = 8;                    ///< rays through each pixel; each also asks for sun and sky
   std::optional<double> sun_azimuth;  ///< radians clockwise from north; default: from the camera's left
   double sun_elevation = 0.70;        ///< radians above the horizon
-  double sun_radius = 0.02;           ///< radians, the softness of shadows (the real sun: 0.0047)
-  bool inside = false;                ///< a lamp at the eye and no sky: for cave interiors
+  double sun_radius = 0.015;          ///< radians, the softness of shadows (the real sun: 0.0047)
+  bool inside = false;                ///< adds a lamp at the eye and wide eyes: for cave interiors
   std::optional<double> sea_level;    ///< world elevation; draws a translucent water surface
   double exposure = 1.0;              ///< factor on the light before tone mapping
   double haze = 1.0;                  ///< strength of aerial perspective; 0 switches it off
   std::optional<double> azimuth;      ///< frame(): direction of view, radians clockwise from north
-  double elevation = 0.45;            ///< frame(): how far the camera looks down, radians
+  std::optional<double> elevation;    ///< frame(): how far the camera looks down, radians
 };
 
-/// A three-quarter view from outside in which the whole mesh lies inside the picture; without an azimuth it
-/// looks at the side where most cliffs face. Throws Error{input} for a mesh without triangles.
-Camera frame(const mesh::Mesh& mesh, const RenderSettings& settings);
+/// A mesh made ready for tracing, so that several pictures share the work. Keeps a reference to the mesh.
+class Scene {
+ public:
+  /// Throws Error{input} for a mesh without triangles.
+  explicit Scene(const mesh::Mesh& mesh, Progress& progress = silent());
+  ~Scene();
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
 
-/// A view inside a cave: `eye` in world metres, or a place found in the roomiest roofed part of the mesh; the
-/// target lies along the longest free line of sight. Throws Error{input} when nothing is roofed.
-Camera frame_inside(const mesh::Mesh& mesh, std::optional<Vec3d> eye = {});
+  /// A three-quarter view from outside that holds the whole mesh; where azimuth and elevation are not given,
+  /// they are those that show most of cliffs and undercuts.
+  Camera frame(const RenderSettings& settings) const;
 
-/// The picture; the same bytes at any thread count. Colours come from the mesh, or from mesh/palette.h by
-/// slope and height when it has none. Throws Error{usage} for a camera or size that makes no picture.
-raster::Image render(const mesh::Mesh& mesh, const Camera& camera, const RenderSettings& settings,
-                     Progress& progress = silent());
+  /// A view inside a cave: from `eye`, or from a place found in the roomiest roofed part; the target lies
+  /// along the longest free line of sight. Throws Error{input} when nothing is roofed.
+  Camera frame_inside(const RenderSettings& settings, std::optional<Vec3d> eye = {}) const;
+
+  /// The picture; the same bytes at any thread count. Colours come from the mesh, or from mesh/palette.h by
+  /// slope and height when it has none. Throws Error{usage} for a camera or size that makes no picture.
+  raster::Image render(const Camera& camera, const RenderSettings& settings,
+                       Progress& progress = silent()) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// One picture: `camera`, or else frame() or, when settings.inside, frame_inside().
+raster::Image render(const mesh::Mesh& mesh, const std::optional<Camera>& camera,
+                     const RenderSettings& settings, Progress& progress = silent());
 
 }  // namespace tafoni::render

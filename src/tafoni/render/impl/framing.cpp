@@ -1,0 +1,190 @@
+#include "tafoni/render/impl/framing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+#include "tafoni/core/random.h"
+#include "tafoni/render/impl/film.h"
+
+namespace tafoni::render::impl {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double margin = 0.97;  // of the half picture
+
+/// What a coarse picture from `camera` shows: cliffs and undercuts count, walls of the data's edge do not.
+double interest(const World& world, const Camera& camera, double aspect, std::optional<float> sea) {
+  constexpr int width = 96, height = 54;
+  View view;
+  view.eye = to_float(camera.eye);
+  view.forward = to_float(normalized(camera.target - camera.eye));
+  const Vec3f right = normalized(cross(view.forward, Vec3f{0, 0, 1}));
+  const auto half = static_cast<float>(std::tan(camera.fov / 2));
+  view.right = right * (half * static_cast<float>(aspect));
+  view.up = cross(right, view.forward) * half;
+  view.width = width;
+  view.height = height;
+  std::array<double, height> rows{};
+  parallel_for(height, [&](std::int64_t row) {
+    double score = 0;
+    for (int x = 0; x < width; ++x) {
+      const Vec3f d = view.direction(static_cast<float>(x) + 0.5f, static_cast<float>(row) + 0.5f);
+      const Hit hit = world.tracer().closest(view.eye, d);
+      if (!hit) continue;
+      const Vec3f p = view.eye + d * hit.t;
+      const bool wall = world.is_border(hit.triangle);
+      if (sea && p.z < *sea) {
+        score += wall ? 0 : 0.05;
+        continue;
+      }
+      if (wall || dot(hit.face, d) > 0)
+        score -= 0.3;
+      else if (hit.face.z < -0.1f)
+        score += 4;
+      else
+        score += 0.2 + 1.3 * (1 - std::abs(hit.face.z));
+    }
+    rows[static_cast<std::size_t>(row)] = score;
+  });
+  double sum = 0;
+  for (const double row : rows) sum += row;
+  return sum;
+}
+
+/// The lowest share of the sorted depths below which a view is shut in.
+struct Openness {
+  double roofed = 0;  ///< share of the upper directions that are blocked
+  double room = 0;    ///< a low quantile of the free distances, metres
+  Vec3f longest;      ///< direction of the longest free line near the horizon
+};
+
+Openness look_around(const World& world, Vec3f eye, int count) {
+  Openness open;
+  std::vector<float> distances;
+  int upper = 0, blocked = 0;
+  float best = -1;
+  const float far = length(world.box().size());
+  for (int i = 0; i < count; ++i) {
+    // A spherical Fibonacci lattice.
+    const double z = 1 - (2 * i + 1.0) / count, phi = i * 2.399963229728653, r = std::sqrt(1 - z * z);
+    const Vec3f d = to_float({r * std::cos(phi), r * std::sin(phi), z});
+    const Hit hit = world.tracer().closest(eye, d);
+    distances.push_back(hit ? hit.t : far);
+    if (z > 0.2) {
+      ++upper;
+      blocked += hit ? 1 : 0;
+    }
+    // Daylight at the end of a line is worth seeing, but only as far as walls would be.
+    const float free = hit ? hit.t : 0.0f;
+    if (std::abs(z) < 0.35 && free * (1 - std::abs(d.z)) > best) {
+      best = free * (1 - std::abs(d.z));
+      open.longest = d;
+    }
+  }
+  std::nth_element(distances.begin(), distances.begin() + count / 4, distances.end());
+  open.room = distances[static_cast<std::size_t>(count / 4)];
+  open.roofed = upper ? static_cast<double>(blocked) / upper : 0;
+  return open;
+}
+
+/// A place at eye height above a floor under the widest roof.
+std::optional<Vec3f> find_cave(const World& world, std::optional<float> sea) {
+  const auto triangles = static_cast<std::uint64_t>(world.mesh().triangles.size());
+  constexpr std::int64_t tries = 20000;
+  std::vector<double> scores(tries, 0);
+  std::vector<Vec3f> eyes(tries);
+  const float reach = length(world.box().size());
+  parallel_for(tries, [&](std::int64_t i) {
+    Random random(17, static_cast<std::uint64_t>(i));
+    const auto triangle = static_cast<std::uint32_t>(random.below(triangles));
+    const Vec3f n = world.face_normal(triangle), p = world.center(triangle);
+    if (n.z < 0.5f || (sea && p.z < *sea)) return;
+    const Vec3f from = p + n * world.offset();
+    const Hit roof = world.tracer().closest(from, {0, 0, 1}, reach);
+    // A roof seen from behind is the mesh's own underside: the floor is outside of what is solid.
+    if (!roof || roof.face.z > 0) return;
+    const Vec3f eye = from + Vec3f{0, 0, 1} * std::min(0.45f * roof.t, 4 * world.spacing() + 1.7f);
+    const Openness open = look_around(world, eye, 64);
+    if (open.roofed < 0.85) return;
+    eyes[static_cast<std::size_t>(i)] = eye;
+    scores[static_cast<std::size_t>(i)] = open.room;
+  });
+  const auto best = std::max_element(scores.begin(), scores.end());
+  if (*best <= 0) return std::nullopt;
+  return eyes[static_cast<std::size_t>(best - scores.begin())];
+}
+
+}  // namespace
+
+Camera fit(const World& world, double azimuth, double elevation, double fov, double aspect) {
+  const Vec3d forward{std::sin(azimuth) * std::cos(elevation), std::cos(azimuth) * std::cos(elevation),
+                      -std::sin(elevation)};
+  const Vec3d right = normalized(cross(forward, Vec3d{0, 0, 1})), up = cross(right, forward);
+  const double tan_y = margin * std::tan(fov / 2), tan_x = tan_y * aspect;
+  // The eye e sees p when |r(p) - r(e)| <= tan_x (f(p) - f(e)), and so for up: four planes to push back.
+  double left = -1e300, right_most = -1e300, low = -1e300, high = -1e300, depth = 0;
+  std::uint64_t seen = 0;
+  for (const Vec3f local : world.mesh().positions) {
+    const Vec3d p = to_double(local);
+    const double r = dot(p, right), u = dot(p, up), f = dot(p, forward);
+    right_most = std::max(right_most, r - tan_x * f);
+    left = std::max(left, -r - tan_x * f);
+    high = std::max(high, u - tan_y * f);
+    low = std::max(low, -u - tan_y * f);
+    depth += f;
+    ++seen;
+  }
+  depth /= static_cast<double>(seen);
+  const double f = std::min(-(left + right_most) / (2 * tan_x), -(low + high) / (2 * tan_y));
+  const double r = (right_most - left) / 2, u = (high - low) / 2;
+  Camera camera;
+  camera.eye = right * r + up * u + forward * f;
+  camera.target = camera.eye + forward * std::max(depth - f, 1e-3);
+  camera.fov = fov;
+  return camera;
+}
+
+Camera best_outside(const World& world, const RenderSettings& settings, std::optional<float> sea) {
+  const double aspect = static_cast<double>(settings.width) / settings.height;
+  const double fov = Camera{}.fov;
+  std::vector<double> azimuths, elevations;
+  if (settings.azimuth)
+    azimuths = {*settings.azimuth};
+  else
+    for (int i = 0; i < 16; ++i) azimuths.push_back((i + 0.5) * pi / 8);
+  if (settings.elevation)
+    elevations = {*settings.elevation};
+  else
+    elevations = {0.32, 0.45, 0.62};
+  Camera best;
+  double best_score = -1e300;
+  for (const double elevation : elevations)
+    for (const double azimuth : azimuths) {
+      const Camera camera = fit(world, azimuth, elevation, fov, aspect);
+      if (azimuths.size() * elevations.size() == 1) return camera;
+      const double score = interest(world, camera, aspect, sea);
+      if (score <= best_score) continue;
+      best_score = score;
+      best = camera;
+    }
+  return best;
+}
+
+Camera best_inside(const World& world, std::optional<Vec3f> eye, std::optional<float> sea) {
+  if (!eye) eye = find_cave(world, sea);
+  if (!eye)
+    fail(ErrorKind::input,
+         "Nothing in this mesh is roofed, so there is no inside to look at; give the camera's position.");
+  const Openness open = look_around(world, *eye, 2048);
+  Camera camera;
+  camera.eye = to_double(*eye);
+  camera.target = camera.eye + to_double(open.longest) * std::max(open.room, 1.0);
+  camera.fov = 1.15;
+  return camera;
+}
+
+}  // namespace tafoni::render::impl

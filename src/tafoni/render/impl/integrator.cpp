@@ -1,0 +1,145 @@
+#include "tafoni/render/impl/integrator.h"
+
+#include "tafoni/math/noise.h"
+
+namespace tafoni::render::impl {
+namespace {
+
+/// The slope of small waves, made of noise whose wavelength follows the pixel's footprint so that it never
+/// aliases.
+Vec3f wave_normal(Vec3f p, float footprint) {
+  const double wavelength = 14 * footprint;
+  const double x = p.x / wavelength, y = p.y / wavelength, step = 0.15;
+  const auto height = [](double u, double v) { return simplex({u, v * 1.7, 0.5}, 99); };
+  const float here = height(x, y);
+  constexpr float steepness = 0.035f;
+  return normalized(Vec3f{(here - height(x + step, y)) * steepness / 0.15f,
+                          (here - height(x, y + step)) * steepness / 0.15f, 1});
+}
+
+}  // namespace
+
+Vec3f Integrator::under_sea(Vec3f light, Vec3f position) const {
+  return light_.sea && position.z < *light_.sea ? times(light, Light::through_water(*light_.sea - position.z))
+                                                : light;
+}
+
+Vec3f Integrator::beyond(Vec3f direction) const {
+  if (light_.lamp && direction.z < 0) return {};
+  if (!light_.sea || direction.z >= 0) return light_.sky(direction);
+  return mix(Light::water * 2.0f, light_.sky({direction.x, direction.y, -direction.z}), 0.15f);
+}
+
+Vec3f Integrator::sun_on(const Surface& s, Point2 random) const {
+  const Vec3f d = cone_direction(light_.to_sun, light_.sun_radius, random);
+  const float facing = dot(s.normal, d);
+  if (facing <= 0 || d.z <= 0) return {};
+  if (world_.tracer().blocked(s.position + s.face * world_.offset(), d)) return {};
+  return under_sea(Light::sun * facing, s.position);
+}
+
+Vec3f Integrator::lamp_on(const Surface& s, Point2 random) const {
+  const Lamp& lamp = *light_.lamp;
+  const float around = 6.2831853f * random.v, out = lamp.radius * std::sqrt(random.u);
+  const Vec3f to = lamp.position + Vec3f{out * std::cos(around), out * std::sin(around), 0} - s.position;
+  const float distance = length(to);
+  const Vec3f d = to * (1 / std::max(distance, 1e-6f));
+  const float facing = dot(s.normal, d);
+  if (facing <= 0) return {};
+  const Vec3f from = s.position + s.face * world_.offset();
+  if (world_.tracer().blocked(from, d, distance * 0.999f)) return {};
+  // Gentler than the inverse square, or near walls would burn out before far ones are seen.
+  const float near = distance / lamp.reach;
+  return Vec3f{2.5f, 2.1f, 1.6f} * (facing / (0.12f + std::pow(near, 1.5f)));
+}
+
+Vec3f Integrator::bounced(const Hit& hit, Vec3f from, Vec3f direction, const Sampler& sampler) const {
+  const Surface s = world_.surface(hit, from, direction, colors_);
+  const Vec3f start = s.position + s.face * world_.offset();
+  Vec3f light = sun_on(s, sampler.get(Stream::bounce_sun));
+  const Vec3f up = cosine_direction(s.normal, sampler.get(Stream::bounce_sky));
+  if (!world_.tracer().blocked(start, up)) light += under_sea(beyond(up), s.position);
+  if (light_.lamp) light += lamp_on(s, sampler.get(Stream::bounce_lamp));
+  return times(s.albedo, light);
+}
+
+Vec3f Integrator::sky_on(const Surface& s, const Sampler& sampler) const {
+  const Vec3f d = cosine_direction(s.normal, sampler.get(Stream::sky));
+  const Vec3f from = s.position + s.face * world_.offset();
+  const Hit hit = world_.tracer().closest(from, d);
+  if (!hit) return under_sea(beyond(d), s.position);
+  Vec3f light = bounced(hit, from, d, sampler);
+  // A faint fill that open space has more of than crevices, so that no wall of a cave is black.
+  if (light_.lamp) light += Vec3f{0.10f, 0.105f, 0.12f} * (hit.t / (hit.t + 0.4f * light_.lamp->reach));
+  return light;
+}
+
+Integrator::Lit Integrator::lit(const Surface& s, const Sampler& sampler) const {
+  Lit lit;
+  lit.direct = sun_on(s, sampler.get(Stream::sun));
+  if (light_.lamp) lit.direct += lamp_on(s, sampler.get(Stream::lamp));
+  lit.indirect = sky_on(s, sampler);
+  return lit;
+}
+
+Sample Integrator::solid(Vec3f from, Vec3f direction, const Hit& hit, const Sampler& sampler) const {
+  const Surface s = world_.surface(hit, from, direction, colors_);
+  const Lit light = lit(s, sampler);
+  return {times(s.albedo, light.direct + light.indirect), light.indirect, s.albedo, s.normal, hit.t};
+}
+
+Sample Integrator::water(Vec3f from, Vec3f direction, float t_sea, const Hit& hit, float footprint,
+                         const Sampler& sampler) const {
+  const Vec3f p = from + direction * t_sea;
+  const float slant = std::max(-direction.z, 0.02f);
+  const Vec3f n = wave_normal(p, footprint * t_sea / std::sqrt(slant));
+  const float facing = std::clamp(-dot(n, direction), 0.02f, 1.0f);
+  const float mirror = 0.02f + 0.98f * std::pow(1 - facing, 5.0f);
+  Vec3f r = direction + n * (2 * facing);
+  r.z = std::max(r.z, 0.01f);
+  r = normalized(r);
+
+  const Vec3f start = p + Vec3f{0, 0, 1} * world_.offset();
+  const Hit mirrored = world_.tracer().closest(start, r);
+  Vec3f reflection = light_.sky(r);
+  if (mirrored) {
+    const Surface s = world_.surface(mirrored, start, r, colors_);
+    const Vec3f ambient = mix(Light::ground, Light::zenith, 0.5f + 0.5f * s.normal.z) * 0.5f;
+    reflection = times(s.albedo, sun_on(s, sampler.get(Stream::mirror)) + ambient);
+  }
+  // The ray goes on straight, not refracted, so that what stands in the water keeps its shape.
+  Sample below{};
+  Vec3f clear{};
+  if (hit) {
+    below = solid(from, direction, hit, sampler);
+    clear = Light::through_water(hit.t - t_sea);
+  }
+  const float shine = light_.lamp ? 0.05f : 0.35f + 0.65f * std::max(0.0f, light_.to_sun.z);
+  const Vec3f scattered = Light::water * (2.2f * shine);
+  const Vec3f body = times(below.color, clear) + times(scattered, Vec3f{1, 1, 1} - clear);
+  Sample result = below;
+  result.color = reflection * mirror + body * (1 - mirror);
+  result.sky_weight = times(below.sky_weight, clear) * (1 - mirror);
+  if (!hit) result.t = t_sea;
+  return result;
+}
+
+Sample Integrator::eye_ray(Vec3f from, Vec3f direction, float footprint, const Sampler& sampler) const {
+  const Hit hit = world_.tracer().closest(from, direction);
+  const float t_sea =
+      light_.sea && from.z > *light_.sea && direction.z < 0 ? (*light_.sea - from.z) / direction.z : far_away;
+  Sample sample;
+  if (t_sea < hit.t)
+    sample = water(from, direction, t_sea, hit, footprint, sampler);
+  else if (hit)
+    sample = solid(from, direction, hit, sampler);
+  else
+    return {light_.sky(direction), {}, {}, {}, far_away};
+  const float t = std::min(t_sea, hit.t);
+  const float clear = std::exp(-light_.haze_per_metre * std::max(0.0f, t - light_.haze_begin));
+  sample.color = light_.hazy(sample.color, t);
+  sample.sky_weight = sample.sky_weight * clear;
+  return sample;
+}
+
+}  // namespace tafoni::render::impl

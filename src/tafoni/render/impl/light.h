@@ -1,0 +1,67 @@
+#pragma once
+// Sun, sky, haze, water and lamp: what light there is, in units where a white wall square to the sun has a
+// radiance of about 3.
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "tafoni/math/vec.h"
+
+namespace tafoni::render::impl {
+
+inline Vec3f mix(Vec3f a, Vec3f b, float t) {
+  return a + (b - a) * t;
+}
+inline Vec3f times(Vec3f a, Vec3f b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
+inline float smooth(float from, float to, float x) {
+  const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
+  return t * t * (3 - 2 * t);
+}
+inline float luminance(Vec3f c) {
+  return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+}
+
+/// A lamp near the eye, for cave interiors.
+struct Lamp {
+  Vec3f position;
+  float reach = 1;   ///< the distance, metres, at which a wall is well lit
+  float radius = 0;  ///< metres, the softness of its shadows
+};
+
+struct Light {
+  Vec3f to_sun{0, 0, 1};
+  float sun_radius = 0;      ///< radians
+  std::optional<float> sea;  ///< local z of the water surface
+  std::optional<Lamp> lamp;
+  float haze_per_metre = 0;
+  float haze_begin = 0;  ///< metres from the eye that are clear
+
+  static constexpr Vec3f sun{3.05f, 2.70f, 2.20f};
+  static constexpr Vec3f zenith{0.30f, 0.50f, 0.92f}, horizon{0.80f, 0.88f, 0.97f};
+  static constexpr Vec3f ground{0.62f, 0.645f, 0.66f};
+  /// What water scatters back, and how fast it takes light away, per metre.
+  static constexpr Vec3f water{0.018f, 0.085f, 0.105f}, absorption{0.30f, 0.10f, 0.075f};
+
+  /// Radiance of what lies behind everything.
+  Vec3f sky(Vec3f d) const {
+    const float up = std::clamp(d.z, 0.0f, 1.0f);
+    const Vec3f clear = mix(horizon, zenith, 1 - std::exp(-3.2f * up));
+    const float glow = std::pow(std::max(0.0f, dot(d, to_sun)), 12.0f);
+    const Vec3f above = clear + sun * (0.10f * glow);
+    return d.z >= 0 ? above : mix(above, ground, smooth(0, 0.35f, -d.z));
+  }
+  /// Light left after `metres` of water.
+  static Vec3f through_water(float metres) {
+    const float m = std::max(metres, 0.0f);
+    return {std::exp(-absorption.x * m), std::exp(-absorption.y * m), std::exp(-absorption.z * m)};
+  }
+  Vec3f hazy(Vec3f color, float t) const {
+    const float clear = std::exp(-haze_per_metre * std::max(0.0f, t - haze_begin));
+    return mix(horizon * 0.93f, color, clear);
+  }
+};
+
+}  // namespace tafoni::render::impl

@@ -1,0 +1,190 @@
+#include "tafoni/render/render.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+#include "tafoni/render/impl/film.h"
+#include "tafoni/render/impl/framing.h"
+#include "tafoni/render/impl/integrator.h"
+#include "tafoni/render/impl/world.h"
+
+namespace tafoni::render {
+namespace {
+
+using impl::Film;
+using impl::Light;
+using impl::View;
+
+constexpr int tile = 32;
+
+bool finite(Vec3d p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+/// `camera` is local here.
+View view_of(const Camera& camera, const RenderSettings& settings) {
+  if (settings.width < 1 || settings.height < 1 || settings.width > 16384 || settings.height > 16384)
+    fail(ErrorKind::usage, "A picture of {} x {} pixels cannot be drawn; give 1 to 16384 a side.",
+         settings.width, settings.height);
+  if (settings.samples < 1 || settings.samples > 4096)
+    fail(ErrorKind::usage, "{} samples a pixel cannot be drawn; give 1 to 4096.", settings.samples);
+  const Vec3d forward = normalized(camera.target - camera.eye);
+  Vec3d right = cross(forward, normalized(camera.up));
+  // Straight up or down has no horizon to keep level; north is up in the picture then.
+  if (length(right) < 1e-6) right = cross(forward, Vec3d{0, 1, 0});
+  right = normalized(right);
+  const bool sound = finite(camera.eye) && finite(camera.target) && length(forward) > 0.5 &&
+                     length(right) > 0.5 && camera.fov > 0.001 && camera.fov < 3.1;
+  if (!sound)
+    fail(ErrorKind::usage,
+         "The camera makes no picture: eye and target must differ and the angle of view be 0.06 to 177 "
+         "degrees.");
+  const double half = std::tan(camera.fov / 2);
+  View view;
+  view.eye = to_float(camera.eye);
+  view.forward = to_float(forward);
+  view.right = to_float(right * (half * settings.width / settings.height));
+  view.up = to_float(cross(right, forward) * half);
+  view.width = settings.width;
+  view.height = settings.height;
+  return view;
+}
+
+/// The middle of the distances to what the camera sees; 0 when it sees nothing.
+float typical_distance(const impl::World& world, const View& view) {
+  std::vector<float> distances;
+  for (int y = 0; y < 18; ++y)
+    for (int x = 0; x < 32; ++x) {
+      const Vec3f d = view.direction((static_cast<float>(x) + 0.5f) * static_cast<float>(view.width) / 32,
+                                     (static_cast<float>(y) + 0.5f) * static_cast<float>(view.height) / 18);
+      if (const impl::Hit hit = world.tracer().closest(view.eye, d)) distances.push_back(hit.t);
+    }
+  if (distances.empty()) return 0;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+Light light_of(const impl::World& world, const View& view, const RenderSettings& settings,
+               std::optional<float> sea) {
+  Light light;
+  const double facing = std::atan2(view.forward.x, view.forward.y);
+  const double azimuth = settings.sun_azimuth.value_or(facing - 2.18);
+  light.to_sun =
+      to_float({std::sin(azimuth) * std::cos(settings.sun_elevation),
+                std::cos(azimuth) * std::cos(settings.sun_elevation), std::sin(settings.sun_elevation)});
+  light.sun_radius = static_cast<float>(settings.sun_radius);
+  light.sea = sea;
+  const float distance = typical_distance(world, view);
+  if (settings.inside) {
+    const float reach = std::max(distance, world.spacing());
+    light.lamp = impl::Lamp{
+        view.eye + normalized(view.up) * (0.10f * reach) + normalized(view.right) * (0.12f * reach), reach,
+        0.02f * reach};
+    // The lamp may not stand in the wall.
+    if (world.tracer().blocked(view.eye, light.lamp->position - view.eye, 1.2f))
+      light.lamp->position = view.eye;
+  } else if (distance > 0) {
+    light.haze_begin = 0.6f * distance;
+    light.haze_per_metre = static_cast<float>(0.16 * settings.haze) / distance;
+  }
+  return light;
+}
+
+void draw_tile(const impl::Integrator& integrator, const View& view, std::uint32_t samples, int left, int top,
+               Film& film) {
+  const float footprint = 2 * length(view.up) / static_cast<float>(view.height);
+  for (int y = top; y < std::min(top + tile, view.height); ++y)
+    for (int x = left; x < std::min(left + tile, view.width); ++x) {
+      impl::Pixel sum;
+      int met = 0;
+      for (std::uint32_t s = 0; s < samples; ++s) {
+        const impl::Sampler sampler(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), s, samples);
+        const impl::Point2 jitter = sampler.get(impl::Stream::pixel);
+        const Vec3f d = view.direction(static_cast<float>(x) + jitter.u, static_cast<float>(y) + jitter.v);
+        const impl::Sample sample = integrator.eye_ray(view.eye, d, footprint, sampler);
+        sum.color += sample.color;
+        sum.light += sample.sky_light;
+        sum.weight += sample.sky_weight;
+        sum.normal += sample.normal;
+        if (sample.t == impl::far_away) continue;
+        sum.depth += sample.t;
+        ++met;
+      }
+      const float share = 1.0f / static_cast<float>(samples);
+      film.at(x, y) = {sum.color * share, sum.light * share, sum.weight * share, sum.normal * share,
+                       met ? sum.depth / static_cast<float>(met) : 0.0f};
+    }
+}
+
+}  // namespace
+
+struct Scene::State {
+  impl::World world;
+  State(const mesh::Mesh& mesh, Progress& progress) : world(mesh, progress) {}
+
+  std::optional<float> local_sea(const RenderSettings& settings) const {
+    if (!settings.sea_level) return std::nullopt;
+    return static_cast<float>(*settings.sea_level - world.mesh().origin.z);
+  }
+  Camera moved(Camera camera, Vec3d by) const {
+    camera.eye += by;
+    camera.target += by;
+    return camera;
+  }
+};
+
+Scene::Scene(const mesh::Mesh& mesh, Progress& progress) : state_(std::make_unique<State>(mesh, progress)) {}
+Scene::~Scene() = default;
+
+Camera Scene::frame(const RenderSettings& settings) const {
+  return state_->moved(impl::best_outside(state_->world, settings, state_->local_sea(settings)),
+                       state_->world.mesh().origin);
+}
+
+Camera Scene::frame_inside(const RenderSettings& settings, std::optional<Vec3d> eye) const {
+  std::optional<Vec3f> local;
+  if (eye) local = to_float(*eye - state_->world.mesh().origin);
+  return state_->moved(impl::best_inside(state_->world, local, state_->local_sea(settings)),
+                       state_->world.mesh().origin);
+}
+
+raster::Image Scene::render(const Camera& camera, const RenderSettings& settings, Progress& progress) const {
+  const impl::World& world = state_->world;
+  const std::optional<float> sea = state_->local_sea(settings);
+  const View view = view_of(state_->moved(camera, -world.mesh().origin), settings);
+  const Light light = light_of(world, view, settings, sea);
+  const impl::Colors colors = world.colors(sea, progress);
+  const impl::Integrator integrator(world, colors, light);
+  // A power of two keeps every pixel's samples a whole net.
+  const std::uint32_t samples = std::bit_ceil(static_cast<std::uint32_t>(settings.samples));
+  Film film(view.width, view.height);
+  const int across = (view.width + tile - 1) / tile, down = (view.height + tile - 1) / tile;
+  progress.begin("drawing the picture", static_cast<std::uint64_t>(across) * static_cast<std::uint64_t>(down),
+                 "tiles");
+  parallel_for(
+      static_cast<std::int64_t>(across) * down,
+      [&](std::int64_t i) {
+        draw_tile(integrator, view, samples, static_cast<int>(i % across) * tile,
+                  static_cast<int>(i / across) * tile, film);
+      },
+      progress);
+  impl::denoise(film, view);
+  progress.end();
+  return impl::develop(film, settings.exposure);
+}
+
+raster::Image render(const mesh::Mesh& mesh, const std::optional<Camera>& camera,
+                     const RenderSettings& settings, Progress& progress) {
+  const Scene scene(mesh, progress);
+  const Camera own = camera            ? *camera
+                     : settings.inside ? scene.frame_inside(settings)
+                                       : scene.frame(settings);
+  return scene.render(own, settings, progress);
+}
+
+}  // namespace tafoni::render
