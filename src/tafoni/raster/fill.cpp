@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "tafoni/core/error.h"
@@ -56,35 +57,66 @@ std::vector<Pixel> hole_from(Pixel start, const Grid<float>& grid, Grid<std::uin
   return hole;
 }
 
-/// Fills one hole in a crop around it, so that the work is proportional to the hole.
-void mend(Grid<float>& grid, const std::vector<Pixel>& hole, const impl::Stencil& stencil,
-          Progress& progress) {
+/// A hole and the part of the grid around it that decides its filling.
+struct Crop {
+  Pixel lo;
+  Grid<float> values;
+  bool at_rim;  ///< the hole lies too near the raster's rim for a plate to be held on all sides
+};
+Crop crop_around(const std::vector<Pixel>& hole, const Grid<float>& grid) {
   Pixel lo = hole.front(), hi = hole.front();
   for (const Pixel p : hole) {
     lo = {std::min(lo.col, p.col), std::min(lo.row, p.row)};
     hi = {std::max(hi.col, p.col), std::max(hi.row, p.row)};
   }
+  const bool at_rim = lo.col < 2 || lo.row < 2 || hi.col + 2 >= grid.width() || hi.row + 2 >= grid.height();
   constexpr int margin = 3;
   lo = {std::max(lo.col - margin, 0), std::max(lo.row - margin, 0)};
   hi = {std::min(hi.col + margin, grid.width() - 1), std::min(hi.row + margin, grid.height() - 1)};
-  Grid<float> crop(hi.col - lo.col + 1, hi.row - lo.row + 1);
-  for (int row = 0; row < crop.height(); ++row)
-    std::copy_n(grid.row(lo.row + row) + lo.col, crop.width(), crop.row(row));
-  fill_membrane(crop, stencil, progress);
+  Crop crop{lo, Grid<float>(hi.col - lo.col + 1, hi.row - lo.row + 1), at_rim};
+  for (int row = 0; row < crop.values.height(); ++row)
+    std::copy_n(grid.row(lo.row + row) + lo.col, crop.values.width(), crop.values.row(row));
+  return crop;
+}
+
+/// Lets a thin plate over the hole come to rest, starting from the membrane in `crop`, which stays when
+/// the plate swings beyond what its surroundings make likely.
+void relax_plate(Crop& crop, const std::vector<Pixel>& hole, const impl::Stencil& stencil, Interval around,
+                 Progress& progress) {
   // In double: the plate's equations magnify rounding by the fourth power of the hole's width.
-  Grid<double> fine(crop.width(), crop.height());
-  std::copy(crop.values().begin(), crop.values().end(), fine.values().begin());
+  Grid<double> fine(crop.values.width(), crop.values.height());
+  std::copy(crop.values.values().begin(), crop.values.values().end(), fine.values().begin());
   constexpr int sweeps = 240;
   constexpr double over = 1.85;
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     progress.check();
     for (const Pixel p : hole) {
-      double& value = fine.at(p.col - lo.col, p.row - lo.row);
-      value += over * (stencil.plate(fine, p.col - lo.col, p.row - lo.row) - value);
+      double& value = fine.at(p.col - crop.lo.col, p.row - crop.lo.row);
+      value += over * (stencil.plate(fine, p.col - crop.lo.col, p.row - crop.lo.row) - value);
     }
   }
-  for (const Pixel p : hole)
-    grid.at(p.col, p.row) = static_cast<float>(fine.at(p.col - lo.col, p.row - lo.row));
+  const float slack = 0.5f * (around.hi - around.lo);
+  const auto plausible = [&](Pixel p) {
+    const auto v = static_cast<float>(fine.at(p.col - crop.lo.col, p.row - crop.lo.row));
+    return v >= around.lo - slack && v <= around.hi + slack;
+  };
+  if (!std::all_of(hole.begin(), hole.end(), plausible)) return;
+  for (const Pixel p : hole) {
+    const int col = p.col - crop.lo.col, row = p.row - crop.lo.row;
+    crop.values.at(col, row) = static_cast<float>(fine.at(col, row));
+  }
+}
+
+/// Fills one hole in a crop around it, so that the work is proportional to the hole.
+void mend(Grid<float>& grid, const std::vector<Pixel>& hole, const impl::Stencil& stencil,
+          Progress& progress) {
+  Crop crop = crop_around(hole, grid);
+  Interval around{std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
+  for (const float v : crop.values.values())
+    if (!std::isnan(v)) around = {std::min(around.lo, v), std::max(around.hi, v)};
+  fill_membrane(crop.values, stencil, progress);
+  if (!crop.at_rim) relax_plate(crop, hole, stencil, around, progress);
+  for (const Pixel p : hole) grid.at(p.col, p.row) = crop.values.at(p.col - crop.lo.col, p.row - crop.lo.row);
 }
 
 }  // namespace

@@ -14,7 +14,8 @@ struct FillReport {
 };
 
 /// Fills every hole (4-connected NaN pixels) no pixel centre of which is farther than `distance` metres from
-/// a pixel with data; others stay. The filling is a thin plate that meets its rim in height and slope.
+/// a pixel with data; others stay. The filling is a thin plate that meets its rim in height and slope;
+/// at the raster's own rim a membrane.
 FillReport fill_holes(Raster& raster, double distance, Progress& progress = silent());
 
 /// Gives every NaN pixel a finite value that continues its surroundings without a step (a membrane, so

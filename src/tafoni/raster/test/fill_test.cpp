@@ -86,6 +86,18 @@ TEST(FillHoles, ZeroDistanceAndNoDataChangeNothing) {
   EXPECT_EQ(fill_holes(none, 100).left, 400u);
 }
 
+TEST(FillHoles, StaysWithinTheDataAtTheRim) {
+  Raster got = make(200, 120, 30, 30, valley);
+  for (int r = 0; r < 120; ++r)
+    for (int c = 0; c < 200; ++c)
+      if (c < 1 + r / 20 || c > 193 - r / 30 || r < c / 60) got.values.at(c, r) = no_data;
+  EXPECT_EQ(fill_holes(got, 300).left, 0u);
+  for (const float v : got.values.values()) {
+    ASSERT_GE(v, 259);
+    ASSERT_LE(v, 1061);
+  }
+}
+
 TEST(FillAll, StaysWithinTheDataAndHasNoSteps) {
   Raster got = make(300, 200, 1, 1, valley);
   const Raster want = got;

@@ -1,0 +1,316 @@
+#include "tafoni/io/dem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <new>
+
+#include "tafoni/core/atomic_file.h"
+#include "tafoni/core/error.h"
+#include "tafoni/io/impl/dem_frame.h"
+#include "tafoni/io/impl/dem_source.h"
+#include "tafoni/raster/fill.h"
+#include "tafoni/raster/resample.h"
+#include "tafoni/raster/steps.h"
+
+namespace tafoni::io {
+namespace {
+
+std::array<int, 4> checked_window(const impl::DemSource& source, const DemOptions& options) {
+  if (source.width() < 2 || source.height() < 2)
+    fail(ErrorKind::input, "{} is {} x {} pixels; a terrain needs at least 2 x 2.", source.name,
+         source.width(), source.height());
+  if (!options.window) return {0, 0, source.width(), source.height()};
+  const auto [x, y, w, h] = *options.window;
+  if (w < 2 || h < 2)
+    fail(ErrorKind::usage, "window {},{},{},{}: its width and height must be at least 2 pixels.", x, y, w, h);
+  if (x < 0 || y < 0 || w > source.width() - x || h > source.height() - y)
+    fail(ErrorKind::usage, "window {},{},{},{} reaches outside {}, which is {} x {} pixels.", x, y, w, h,
+         source.name, source.width(), source.height());
+  return *options.window;
+}
+
+void check_options(const DemOptions& options) {
+  const auto check = [](double value, const char* name) {
+    if (!std::isfinite(value) || value < 0)
+      fail(ErrorKind::usage, "{} = {} is not a positive number of metres.", name, value);
+  };
+  check(options.resolution, "resolution");
+  check(options.pixel_size, "pixel size");
+  if (!std::isfinite(options.height_scale)) fail(ErrorKind::usage, "height scale must be a finite number.");
+  if (std::isnan(options.fill_distance)) fail(ErrorKind::usage, "fill distance must be a number of metres.");
+}
+
+/// What was taken for missing beyond what the file itself marks.
+void note_oddities(const impl::ReadReport& report, std::vector<std::string>& notes) {
+  if (report.not_finite > 0)
+    notes.push_back(fmt::format("{} pixels are NaN or infinite; taken as missing.", report.not_finite));
+  if (report.sentinel > 0)
+    notes.push_back(fmt::format("{} pixels hold {} without a tag that says so; taken as missing.",
+                                report.sentinel, report.sentinel_value));
+  if (report.absurd > 0)
+    notes.push_back(fmt::format("{} pixels hold heights beyond 100 km; taken as missing.", report.absurd));
+}
+
+void note_step(const impl::DemSource& source, double step, bool smoothed, std::vector<std::string>& notes) {
+  if (step > 0 && smoothed)
+    notes.push_back(fmt::format("heights come in steps of {:.4g} m; smoothed within half a step.", step));
+  else if (step > 0)
+    notes.push_back(
+        fmt::format("heights come in steps of {:.4g} m and will show as terraces; ask for smoothing.", step));
+  else if (source.bytes)
+    notes.push_back("heights are 8-bit; at most 256 different ones.");
+}
+
+/// The transform of a grid whose pixels cover fx by fy of the file's, from the window's corner.
+std::array<double, 6> transform_of(const std::array<double, 6>& t, const std::array<int, 4>& window,
+                                   double fx, double fy) {
+  return {t[0] + window[0] * t[1] + window[1] * t[2], t[1] * fx, t[2] * fy,
+          t[3] + window[0] * t[4] + window[1] * t[5], t[4] * fx, t[5] * fy};
+}
+
+/// The warped grid's pixel: the finer of the two directions, but not less than half the coarser, which near
+/// the poles would only invent pixels.
+double warped_pixel(double resolution, double px, double py) {
+  if (resolution > 0) return resolution;
+  return std::max(std::min(px, py), std::max(px, py) / 2);
+}
+
+std::size_t count_missing(const raster::Grid<float>& grid) {
+  return static_cast<std::size_t>(
+      std::count_if(grid.values().begin(), grid.values().end(), [](float v) { return std::isnan(v); }));
+}
+
+class Reader {
+ public:
+  Reader(const std::filesystem::path& path, const DemOptions& options, Progress& progress)
+      : options_(options),
+        progress_(progress),
+        source_(impl::DemSource::open(path, options.band, options.height_scale)),
+        window_(checked_window(*source_, options)),
+        frame_(impl::metric_frame(*source_, window_, options.pixel_size)) {}
+
+  Dem read() {
+    take(source_->notes);
+    take(frame_.notes);
+    const auto [x, y, w, h] = window_;
+    const double fx = options_.resolution > 0 ? std::max(1.0, options_.resolution / frame_.pixel_x) : 1.0;
+    const double fy = options_.resolution > 0 ? std::max(1.0, options_.resolution / frame_.pixel_y) : 1.0;
+    const int width = std::max(1, static_cast<int>(std::lround(w / fx)));
+    const int height = std::max(1, static_cast<int>(std::lround(h / fy)));
+    if (width < 2 || height < 2)
+      fail(ErrorKind::usage, "{}: a resolution of {} m leaves {} x {} pixels; choose a finer one.",
+           source_->name, options_.resolution, width, height);
+    impl::check_memory(static_cast<double>(width) * height, frame_.reproject || frame_.rotated ? 2.5 : 1.2,
+                       source_->name);
+    raster::Raster raster{impl::read_window(*source_, window_, fx, fy, width, height, progress_),
+                          {0, 0, frame_.pixel_x * fx, frame_.pixel_y * fy},
+                          ""};
+    note_oddities(source_->report, dem_.notes);
+    mend(raster);
+    place(std::move(raster), transform_of(frame_.transform, window_, fx, fy));
+    dem_.missing = static_cast<double>(count_missing(dem_.raster.values)) /
+                   static_cast<double>(dem_.raster.values.size());
+    if (dem_.missing == 1) fail_empty();
+    for (std::string& note : dem_.notes) {
+      note = source_->name + ": " + note;
+      progress_.warn(note);
+    }
+    return std::move(dem_);
+  }
+
+ private:
+  void take(const std::vector<std::string>& notes) {
+    dem_.notes.insert(dem_.notes.end(), notes.begin(), notes.end());
+  }
+
+  [[noreturn]] void fail_empty() const {
+    fail(ErrorKind::input, "{} holds no elevations{}: every pixel is marked as missing.", source_->name,
+         options_.window ? " in this window" : "");
+  }
+
+  void mend(raster::Raster& raster) {
+    const std::size_t missing = count_missing(raster.values);
+    if (missing == raster.values.size()) fail_empty();
+    dem_.step = raster::detect_step(raster.values);
+    note_step(*source_, dem_.step, options_.smooth, dem_.notes);
+    if (options_.smooth && dem_.step > 0) raster::remove_steps(raster, dem_.step, progress_);
+    if (missing == 0) return;
+    const double largest = std::max(raster.placement.dx, raster.placement.dy);
+    const double distance = options_.fill_distance < 0 ? 8 * largest : options_.fill_distance;
+    const raster::FillReport report = raster::fill_holes(raster, distance, progress_);
+    dem_.filled = report.filled;
+    dem_.notes.push_back(
+        fmt::format("{} of {} pixels have no data: {} in small holes (up to {:.4g} m from data) are filled, "
+                    "{} are left out.",
+                    missing, raster.values.size(), report.filled, distance, report.left));
+  }
+
+  void place(raster::Raster&& raster, const std::array<double, 6>& transform) {
+    const double px = raster.placement.dx, py = raster.placement.dy;
+    if (frame_.reproject || frame_.rotated) {
+      dem_.raster = impl::warp(raster.values, transform, frame_, warped_pixel(options_.resolution, px, py),
+                               source_->name, progress_);
+    } else {
+      dem_.raster = impl::upright(std::move(raster.values), transform);
+      const raster::Placement& p = dem_.raster.placement;
+      const double wanted = options_.resolution;
+      if (wanted > 0 && (p.dx > wanted * 1.0001 || p.dy > wanted * 1.0001)) {
+        impl::check_memory(dem_.raster.width() * p.dx / wanted * dem_.raster.height() * p.dy / wanted, 1.5,
+                           source_->name);
+        dem_.raster = raster::at_resolution(dem_.raster, wanted, progress_);
+      }
+    }
+    if (options_.resolution > 0 && options_.resolution < 0.99 * std::min(frame_.pixel_x, frame_.pixel_y))
+      dem_.notes.push_back(fmt::format("{:.4g} m is finer than its own pixels; interpolation adds no detail.",
+                                       options_.resolution));
+    if (!frame_.target.IsEmpty()) dem_.raster.crs = impl::to_wkt(frame_.target);
+  }
+
+  const DemOptions& options_;
+  Progress& progress_;
+  std::unique_ptr<impl::DemSource> source_;
+  std::array<int, 4> window_;
+  impl::Frame frame_;
+  Dem dem_;
+};
+
+/// Range and steps from one pass over a file's own pixels.
+void survey(impl::DemSource& source, DemInfo& info, Progress& progress) {
+  const int width = source.width(), height = source.height();
+  const impl::Level& own = source.levels.front();
+  const int rows = std::clamp((1 << 21) / width / own.block_height * own.block_height, 1, height);
+  std::vector<double> strip(static_cast<std::size_t>(width) * static_cast<std::size_t>(rows));
+  // Terraces show in any part; keep one strip's worth of rows spread over the file.
+  const int keep_every = std::max(1, static_cast<int>(static_cast<std::int64_t>(width) * height / (1 << 21)));
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  raster::Grid<float> sample(width, std::min(height, std::max(2, (1 << 21) / width)), raster::no_data);
+  int kept = 0;
+  progress.begin("survey", static_cast<std::uint64_t>(height), "rows");
+  for (int row = 0; row < height; row += rows) {
+    const int count = std::min(rows, height - row);
+    source.read(0, 0, row, width, count, strip.data());
+    for (int r = 0; r < count; ++r) {
+      const double* values = strip.data() + static_cast<std::size_t>(r) * static_cast<std::size_t>(width);
+      for (int col = 0; col < width; ++col) {
+        if (std::isnan(values[col])) continue;
+        lowest = std::min(lowest, values[col]);
+        highest = std::max(highest, values[col]);
+      }
+      // Neighbouring rows in pairs.
+      if ((row + r) / 2 % keep_every == 0 && kept < sample.height())
+        std::transform(values, values + width, sample.row(kept++),
+                       [](double v) { return static_cast<float>(v); });
+    }
+    progress.advance(static_cast<std::uint64_t>(count));
+  }
+  progress.end();
+  info.missing = static_cast<double>(source.report.missing) / static_cast<double>(source.report.pixels);
+  if (info.missing == 1)
+    fail(ErrorKind::input, "{} holds no elevations: every pixel is marked as missing.", source.name);
+  info.lowest = lowest;
+  info.highest = highest;
+  info.step = raster::detect_step(sample);
+}
+
+void describe(const impl::DemSource& source, DemInfo& info) {
+  info.driver = source.driver;
+  info.type = source.type;
+  info.width = source.width();
+  info.height = source.height();
+  info.bands = source.bands;
+  info.band = source.band;
+  info.height_unit = source.height_unit;
+  info.scale = source.scale;
+  info.offset = source.offset;
+  info.unit = source.georeferenced ? "metre" : "pixel";
+  if (!source.crs.IsEmpty()) {
+    const char* name = source.crs.GetName();
+    info.crs = name != nullptr ? name : "";
+    info.crs_wkt = impl::to_wkt(source.crs);
+    const char* unit = nullptr;
+    if (source.crs.IsGeographic())
+      source.crs.GetAngularUnits(&unit);
+    else
+      source.crs.GetLinearUnits(&unit);
+    if (unit != nullptr) info.unit = unit;
+  }
+  auto t = source.transform;
+  if (!source.georeferenced) t = {0, 1, 0, static_cast<double>(source.height()), 0, -1};
+  info.dx = std::hypot(t[1], t[4]);
+  info.dy = std::hypot(t[2], t[5]);
+  info.angle = std::atan2(t[4], t[1]);
+  info.north_up =
+      t[1] > 0 && t[5] < 0 && std::abs(t[2]) <= 1e-7 * info.dy && std::abs(t[4]) <= 1e-7 * info.dx;
+  info.west = info.south = std::numeric_limits<double>::infinity();
+  info.east = info.north = -info.west;
+  for (const int col : {0, source.width()})
+    for (const int row : {0, source.height()}) {
+      const double x = t[0] + col * t[1] + row * t[2], y = t[3] + col * t[4] + row * t[5];
+      info.west = std::min(info.west, x);
+      info.east = std::max(info.east, x);
+      info.south = std::min(info.south, y);
+      info.north = std::max(info.north, y);
+    }
+}
+
+}  // namespace
+
+Dem read_dem(const std::filesystem::path& path, const DemOptions& options, Progress& progress) {
+  check_options(options);
+  try {
+    return Reader(path, options, progress).read();
+  } catch (const std::bad_alloc&) {
+    fail(ErrorKind::input, "{} does not fit into memory; choose a window or a coarser resolution.",
+         path.string());
+  }
+}
+
+DemInfo inspect_dem(const std::filesystem::path& path, int band, Progress& progress) {
+  const auto source = impl::DemSource::open(path, band, 0);
+  const auto window = checked_window(*source, {});
+  DemInfo info;
+  describe(*source, info);
+  const impl::Frame frame = impl::metric_frame(*source, window, 0);
+  info.notes = source->notes;
+  info.notes.insert(info.notes.end(), frame.notes.begin(), frame.notes.end());
+  survey(*source, info, progress);
+  note_oddities(source->report, info.notes);
+  note_step(*source, info.step, false, info.notes);
+  return info;
+}
+
+void write_geotiff(const std::filesystem::path& path, const raster::Raster& raster) {
+  impl::ensure_gdal();
+  AtomicFile file(path);
+  impl::GdalMessages messages;
+  const auto give_up = [&] {
+    fail(ErrorKind::output, "cannot write {}: {}.", path.string(),
+         messages.failed() ? messages.reason() : "the disk may be full");
+  };
+  // What a GeoTIFF cannot hold would go to a file beside it.
+  CPLSetThreadLocalConfigOption("GDAL_PAM_ENABLED", "NO");
+  const char* const options[] = {"COMPRESS=DEFLATE", "PREDICTOR=3", "TILED=YES", "BIGTIFF=IF_SAFER", nullptr};
+  impl::DatasetPtr dataset(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+      file.path().c_str(), raster.width(), raster.height(), 1, GDT_Float32, const_cast<char**>(options)));
+  CPLSetThreadLocalConfigOption("GDAL_PAM_ENABLED", nullptr);
+  if (!dataset) give_up();
+  const raster::Placement& p = raster.placement;
+  double transform[6] = {p.west, p.dx, 0, p.north, 0, -p.dy};
+  dataset->SetGeoTransform(transform);
+  if (!raster.crs.empty()) {
+    const OGRSpatialReference crs = impl::crs_from_wkt(raster.crs);
+    dataset->SetSpatialRef(&crs);
+  }
+  GDALRasterBand* band = dataset->GetRasterBand(1);
+  band->SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
+  band->SetUnitType("metre");
+  const CPLErr error = band->RasterIO(GF_Write, 0, 0, raster.width(), raster.height(),
+                                      const_cast<float*>(raster.values.data()), raster.width(),
+                                      raster.height(), GDT_Float32, 0, 0);
+  dataset.reset();
+  if (error != CE_None || messages.failed()) give_up();
+  file.commit();
+}
+
+}  // namespace tafoni::io

@@ -1,0 +1,359 @@
+#include "tafoni/io/impl/dem_frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <gdal_alg.h>
+#include <gdalwarper.h>
+#include <unistd.h>
+
+namespace tafoni::io::impl {
+namespace {
+
+using Transform = std::array<double, 6>;
+
+Vec2d apply(const Transform& t, double col, double row) {
+  return {t[0] + col * t[1] + row * t[2], t[3] + col * t[4] + row * t[5]};
+}
+
+/// Metres a degree of longitude and of latitude on the CRS's ellipsoid.
+Vec2d metres_per_degree(const OGRSpatialReference& crs, double latitude) {
+  const double a = crs.GetSemiMajor(), flattening = crs.GetInvFlattening();
+  const double f = flattening > 0 ? 1 / flattening : 0, e2 = f * (2 - f);
+  const double phi = latitude * std::numbers::pi / 180, s = std::sin(phi);
+  const double w = 1 - e2 * s * s, degree = std::numbers::pi / 180;
+  return {degree * a * std::cos(phi) / std::sqrt(w), degree * a * (1 - e2) / (w * std::sqrt(w))};
+}
+
+/// The CRS's own degrees, on its own datum, so that no datum shift comes in.
+OGRSpatialReference geographic_of(const OGRSpatialReference& crs) {
+  OGRSpatialReference out;
+  out.CopyGeogCSFrom(&crs);
+  out.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  return out;
+}
+
+/// How many metres on the ground one metre of the map is, east and north, at a place.
+std::optional<Vec2d> ground_scale(const OGRSpatialReference& crs, Vec2d place, double metre) {
+  const OGRSpatialReference geographic = geographic_of(crs);
+  const TransformationPtr to_degrees = transformation(crs, geographic);
+  if (!to_degrees) return std::nullopt;
+  GdalMessages messages;
+  const double step = 100 / metre;
+  double x[3] = {place.x, place.x + step, place.x}, y[3] = {place.y, place.y, place.y + step};
+  if (!to_degrees->Transform(3, x, y)) return std::nullopt;
+  const Vec2d degree = metres_per_degree(geographic, y[0]);
+  return Vec2d{std::hypot((x[1] - x[0]) * degree.x, (y[1] - y[0]) * degree.y) / 100,
+               std::hypot((x[2] - x[0]) * degree.x, (y[2] - y[0]) * degree.y) / 100};
+}
+
+/// The UTM zone of a place, or the polar plane beyond UTM's reach, on the datum of `crs`.
+OGRSpatialReference metric_crs(const OGRSpatialReference& crs, double longitude, double latitude) {
+  const OGRSpatialReference geographic = geographic_of(crs);
+  const char* datum = geographic.GetAttrValue("DATUM");
+  const bool wgs84 = datum != nullptr && std::string(datum).rfind("WGS_1984", 0) == 0;
+  const bool north = latitude >= 0;
+  longitude = std::remainder(longitude, 360);
+  const int zone = std::clamp(static_cast<int>(std::floor((longitude + 180) / 6)) + 1, 1, 60);
+  OGRSpatialReference out;
+  if (std::abs(latitude) > 84) {
+    if (out.importFromEPSG(north ? 32661 : 32761) == OGRERR_NONE) {
+      out.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+      return out;
+    }
+  } else if (!wgs84 || out.importFromEPSG((north ? 32600 : 32700) + zone) != OGRERR_NONE) {
+    out.Clear();
+    const char* name = geographic.GetName();
+    out.SetProjCS(
+        fmt::format("{} / UTM zone {}{}", name != nullptr ? name : "unnamed", zone, north ? 'N' : 'S')
+            .c_str());
+    out.CopyGeogCSFrom(&geographic);
+    out.SetUTM(zone, north);
+  }
+  out.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  return out;
+}
+
+std::string name_of(const OGRSpatialReference& crs) {
+  const char* name = crs.GetName();
+  return name != nullptr ? name : "an unnamed system";
+}
+
+class FrameMaker {
+ public:
+  FrameMaker(const DemSource& source, const std::array<int, 4>& window) : source_(source) {
+    middle_col_ = window[0] + window[2] / 2.0;
+    middle_row_ = window[1] + window[3] / 2.0;
+    frame_.transform = source.transform;
+    frame_.crs = source.crs;
+  }
+
+  Frame make(double pixel_size) {
+    if (source_.georeferenced && pixel_size != 0)
+      fail(ErrorKind::usage, "{} has a georeference; a pixel size is only for files without one.",
+           source_.name);
+    if (!source_.georeferenced)
+      place_at_zero(pixel_size);
+    else if (frame_.crs.IsEmpty())
+      guess_crs();
+    else if (frame_.crs.IsGeocentric())
+      fail(ErrorKind::input, "{} is in geocentric coordinates, which no map is drawn in; project it first.",
+           source_.name);
+    if (!frame_.crs.IsEmpty() && frame_.crs.IsGeographic())
+      from_degrees();
+    else
+      from_plane();
+    const Transform& t = frame_.transform;
+    const double along = std::hypot(t[1], t[4]), across = std::hypot(t[2], t[5]);
+    const auto none = [](double v, double of) { return std::abs(v) <= 1e-7 * of; };
+    const bool straight = none(t[2], across) && none(t[4], along),
+               quarter = none(t[1], along) && none(t[5], across);
+    frame_.rotated = !straight && !quarter;
+    if (!frame_.reproject) {
+      frame_.pixel_x = along;
+      frame_.pixel_y = across;
+      frame_.target = frame_.crs;
+      note_orientation(straight);
+    }
+    return std::move(frame_);
+  }
+
+ private:
+  void place_at_zero(double pixel_size) {
+    const double pixel = pixel_size > 0 ? pixel_size : 1;
+    frame_.transform = {0, pixel, 0, source_.height() * pixel, 0, -pixel};
+    if (pixel_size == 0)
+      frame_.notes.push_back(
+          "has no georeference; pixels are taken as 1 m and the south-west corner as (0, 0).");
+  }
+
+  void guess_crs() {
+    const Transform& t = frame_.transform;
+    const Vec2d a = apply(t, 0, 0), b = apply(t, source_.width(), source_.height());
+    const auto within = [](Vec2d p) { return std::abs(p.x) <= 360 && std::abs(p.y) <= 90; };
+    // A metric grid as small as this would be a table top.
+    if (within(a) && within(b) && std::abs(t[1]) <= 0.1 && std::hypot(a.x, a.y) > 5 &&
+        std::abs(t[1]) > 1e-5) {
+      frame_.crs.SetWellKnownGeogCS("WGS84");
+      frame_.crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+      frame_.notes.push_back("names no coordinate system; its coordinates read as degrees, taken as WGS 84.");
+    } else {
+      frame_.notes.push_back("names no coordinate system; its coordinates are taken as metres.");
+    }
+  }
+
+  void from_degrees() {
+    const Vec2d middle = apply(frame_.transform, middle_col_, middle_row_);
+    const double to_degree = frame_.crs.GetAngularUnits() * 180 / std::numbers::pi;
+    const double longitude = middle.x * to_degree, latitude = middle.y * to_degree;
+    if (std::abs(latitude) > 90.1)
+      fail(ErrorKind::input, "{}: its middle lies at latitude {:.1f}; the georeference is broken.",
+           source_.name, latitude);
+    const Vec2d degree = metres_per_degree(frame_.crs, latitude);
+    measure(degree * to_degree);
+    to_metric(longitude, latitude, fmt::format("is in degrees ({})", name_of(frame_.crs)));
+  }
+
+  void from_plane() {
+    double metre = 1;
+    const char* unit = nullptr;
+    if (!frame_.crs.IsEmpty()) metre = frame_.crs.GetLinearUnits(&unit);
+    if (!(metre > 0) || !std::isfinite(metre)) metre = 1;
+    const Vec2d middle = apply(frame_.transform, middle_col_, middle_row_);
+    if (!frame_.crs.IsEmpty() && frame_.crs.IsProjected()) {
+      const auto scale = ground_scale(frame_.crs, middle, metre);
+      if (scale && std::max(std::abs(scale->x - 1), std::abs(scale->y - 1)) > 0.01) {
+        measure(*scale * metre);
+        const OGRSpatialReference geographic = geographic_of(frame_.crs);
+        double x = middle.x, y = middle.y;
+        transformation(frame_.crs, geographic)->Transform(1, &x, &y);
+        to_metric(x, y,
+                  fmt::format(
+                      "is in {}, where a metre on the map is {:.3f} m east and {:.3f} m north on the ground",
+                      name_of(frame_.crs), scale->x, scale->y));
+        return;
+      }
+    }
+    if (std::abs(metre - 1) < 1e-9) return;
+    for (double& v : frame_.transform) v *= metre;
+    frame_.notes.push_back(fmt::format("is in {} ({}); coordinates are brought to metres.",
+                                       unit != nullptr ? unit : "feet", name_of(frame_.crs)));
+    frame_.crs.SetLinearUnitsAndUpdateParameters("metre", 1.0);
+    frame_.crs.SetNode(frame_.crs.IsProjected() ? "PROJCS" : "LOCAL_CS",
+                       (name_of(frame_.crs) + " in metres").c_str());
+  }
+
+  void measure(Vec2d metres_per_unit) {
+    const Transform& t = frame_.transform;
+    frame_.pixel_x = std::hypot(t[1] * metres_per_unit.x, t[4] * metres_per_unit.y);
+    frame_.pixel_y = std::hypot(t[2] * metres_per_unit.x, t[5] * metres_per_unit.y);
+  }
+
+  void to_metric(double longitude, double latitude, const std::string& why) {
+    frame_.reproject = true;
+    frame_.target = metric_crs(frame_.crs, longitude, latitude);
+    frame_.notes.push_back(fmt::format("{}; reprojected to {}.", why, name_of(frame_.target)));
+  }
+
+  void note_orientation(bool straight) {
+    const Transform& t = frame_.transform;
+    if (frame_.rotated) {
+      frame_.notes.push_back(fmt::format("is rotated by {:.1f} degrees; resampled north up.",
+                                         std::atan2(t[4], t[1]) * 180 / std::numbers::pi));
+    } else if (!straight) {
+      frame_.notes.push_back("is turned by a quarter; put upright.");
+    } else if (t[5] > 0 || t[1] < 0) {
+      frame_.notes.push_back(t[5] > 0 ? "is stored south up; put upright."
+                                      : "is stored east to west; put upright.");
+    }
+  }
+
+  const DemSource& source_;
+  Frame frame_;
+  double middle_col_ = 0, middle_row_ = 0;
+};
+
+struct DestroyTransformer {
+  void operator()(void* t) const { GDALDestroyTransformer(t); }
+};
+using Transformer = std::unique_ptr<void, DestroyTransformer>;
+
+struct WarpOptions {
+  GDALWarpOptions* get = GDALCreateWarpOptions();
+  WarpOptions() = default;
+  WarpOptions(const WarpOptions&) = delete;
+  WarpOptions& operator=(const WarpOptions&) = delete;
+  ~WarpOptions() { GDALDestroyWarpOptions(get); }
+};
+
+/// A dataset over a grid's own memory.
+DatasetPtr over_memory(raster::Grid<float>& grid, const Transform& transform,
+                       const OGRSpatialReference& crs) {
+  DatasetPtr out(GetGDALDriverManager()->GetDriverByName("MEM")->Create("", grid.width(), grid.height(), 0,
+                                                                        GDT_Float32, nullptr));
+  const std::string pointer = fmt::format("{}", reinterpret_cast<std::uintptr_t>(grid.data()));
+  char** options = CSLSetNameValue(nullptr, "DATAPOINTER", pointer.c_str());
+  const CPLErr error = out->AddBand(GDT_Float32, options);
+  CSLDestroy(options);
+  if (error != CE_None) fail(ErrorKind::internal, "GDAL could not wrap a grid in memory.");
+  out->GetRasterBand(1)->SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
+  Transform t = transform;
+  out->SetGeoTransform(t.data());
+  if (!crs.IsEmpty()) out->SetSpatialRef(&crs);
+  return out;
+}
+
+struct Hull {
+  double west, south, east, north;
+};
+
+int CPL_STDCALL forward_progress(double, const char*, void* progress) {
+  return static_cast<Progress*>(progress)->cancelled() ? FALSE : TRUE;
+}
+
+Hull suggested_hull(GDALDataset* source, void* transformer, const std::string& name) {
+  Transform t{};
+  int width = 0, height = 0;
+  double extent[4] = {};
+  if (GDALSuggestedWarpOutput2(source, GDALGenImgProjTransform, transformer, t.data(), &width, &height,
+                               extent, 0) != CE_None)
+    fail(ErrorKind::input, "{} cannot be brought to a metric grid; cut it with a window.", name);
+  return {extent[0], extent[1], extent[2], extent[3]};
+}
+
+}  // namespace
+
+Frame metric_frame(const DemSource& source, const std::array<int, 4>& window, double pixel_size) {
+  GdalMessages messages;
+  return FrameMaker(source, window).make(pixel_size);
+}
+
+void check_memory(double pixels, double copies, const std::string& name) {
+  const double memory =
+      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  const double needed = pixels * copies * sizeof(float);
+  if (pixels < 2e9 && needed < 0.7 * memory) return;
+  fail(ErrorKind::usage,
+       "{}: {:.0f} million pixels need {:.0f} GB of memory; choose a window or a coarser resolution.", name,
+       pixels / 1e6, needed / 1e9);
+}
+
+raster::Raster upright(raster::Grid<float>&& grid, const std::array<double, 6>& transform) {
+  Transform t = transform;
+  if (std::abs(t[1]) < std::abs(t[2])) {
+    raster::Grid<float> turned(grid.height(), grid.width());
+    for (int row = 0; row < grid.height(); ++row)
+      for (int col = 0; col < grid.width(); ++col) turned.at(row, col) = grid.at(col, row);
+    grid = std::move(turned);
+    std::swap(t[1], t[2]);
+    std::swap(t[4], t[5]);
+  }
+  if (t[1] < 0) {
+    for (int row = 0; row < grid.height(); ++row) std::reverse(grid.row(row), grid.row(row) + grid.width());
+    t[0] += t[1] * grid.width();
+    t[1] = -t[1];
+  }
+  if (t[5] > 0) {
+    for (int row = 0; row < grid.height() / 2; ++row)
+      std::swap_ranges(grid.row(row), grid.row(row) + grid.width(), grid.row(grid.height() - 1 - row));
+    t[3] += t[5] * grid.height();
+    t[5] = -t[5];
+  }
+  return {std::move(grid), {t[0], t[3], t[1], -t[5]}, ""};
+}
+
+raster::Raster warp(raster::Grid<float>& grid, const std::array<double, 6>& transform, const Frame& frame,
+                    double pixel, const std::string& name, Progress& progress) {
+  GdalMessages messages;
+  progress.begin("reproject");
+  const DatasetPtr source = over_memory(grid, transform, frame.crs);
+  const std::string from = to_wkt(frame.crs), to = to_wkt(frame.target);
+  Transformer suggest(GDALCreateGenImgProjTransformer(source.get(), frame.reproject ? from.c_str() : nullptr,
+                                                      nullptr, frame.reproject ? to.c_str() : nullptr, FALSE,
+                                                      0, 0));
+  if (!suggest) fail(ErrorKind::input, "{} cannot be reprojected{}.", name, messages.because());
+  const Hull hull = suggested_hull(source.get(), suggest.get(), name);
+  const double width = std::max(1.0, std::ceil((hull.east - hull.west) / pixel - 1e-6));
+  const double height = std::max(1.0, std::ceil((hull.north - hull.south) / pixel - 1e-6));
+  if (!(width * height > 0)) fail(ErrorKind::input, "{}: its georeference is broken.", name);
+  check_memory(width * height, 1.2, name);
+
+  raster::Raster out;
+  out.values = raster::Grid<float>(static_cast<int>(width), static_cast<int>(height), raster::no_data);
+  out.placement = {hull.west, hull.north, pixel, pixel};
+  const DatasetPtr target =
+      over_memory(out.values, {hull.west, pixel, 0, hull.north, 0, -pixel}, frame.target);
+  Transformer exact(GDALCreateGenImgProjTransformer(source.get(), frame.reproject ? from.c_str() : nullptr,
+                                                    target.get(), frame.reproject ? to.c_str() : nullptr,
+                                                    FALSE, 0, 0));
+  if (!exact) fail(ErrorKind::input, "{} cannot be reprojected{}.", name, messages.because());
+  constexpr double pixels_off = 0.02;
+  Transformer approximate(GDALCreateApproxTransformer(GDALGenImgProjTransform, exact.get(), pixels_off));
+
+  WarpOptions options;
+  options.get->hSrcDS = source.get();
+  options.get->hDstDS = target.get();
+  options.get->eResampleAlg = GRA_Cubic;
+  options.get->dfWarpMemoryLimit = 64e6;
+  options.get->pfnTransformer = GDALApproxTransform;
+  options.get->pTransformerArg = approximate.get();
+  options.get->pfnProgress = forward_progress;
+  options.get->pProgressArg = &progress;
+  GDALWarpInitDefaultBandMapping(options.get, 1);
+  GDALWarpInitSrcNoDataReal(options.get, std::numeric_limits<double>::quiet_NaN());
+  GDALWarpInitDstNoDataReal(options.get, std::numeric_limits<double>::quiet_NaN());
+  options.get->papszWarpOptions = CSLSetNameValue(options.get->papszWarpOptions, "INIT_DEST", "NO_DATA");
+  GDALWarpOperation operation;
+  if (operation.Initialize(options.get) != CE_None ||
+      operation.ChunkAndWarpImage(0, 0, out.width(), out.height()) != CE_None) {
+    progress.check();
+    fail(ErrorKind::input, "{} cannot be reprojected{}.", name, messages.because());
+  }
+  target->FlushCache();
+  progress.end();
+  return out;
+}
+
+}  // namespace tafoni::io::impl

@@ -1,0 +1,76 @@
+#pragma once
+// An opened elevation file: what it says of itself, and its heights by windows, in metres, NaN where missing.
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tafoni/core/progress.h"
+#include "tafoni/io/impl/gdal.h"
+#include "tafoni/raster/grid.h"
+
+namespace tafoni::io::impl {
+
+/// One resolution of the file: its own or an overview.
+struct Level {
+  int width = 0, height = 0;
+  int block_height = 1;
+};
+
+/// What was missing or odd among the pixels read so far.
+struct ReadReport {
+  std::uint64_t pixels = 0, missing = 0;
+  std::uint64_t not_finite = 0, absurd = 0, sentinel = 0;  ///< among the missing
+  double sentinel_value = 0;
+};
+
+class DemSource {
+ public:
+  virtual ~DemSource() = default;
+  DemSource(const DemSource&) = delete;
+  DemSource& operator=(const DemSource&) = delete;
+
+  /// `band` from 1, or 0 for the one that holds elevations. `height_scale` metres a unit, or 0.
+  static std::unique_ptr<DemSource> open(const std::filesystem::path& path, int band, double height_scale);
+
+  /// Heights of rows [y, y + h) and columns [x, x + w) of `level` into out[w * h].
+  void read(std::size_t level, int x, int y, int w, int h, double* out);
+
+  int width() const { return levels.front().width; }
+  int height() const { return levels.front().height; }
+
+  std::string name;          ///< the path, for error texts
+  std::string driver, type;  ///< GDAL's
+  bool bytes = false;        ///< 8-bit
+  int bands = 1, band = 1;
+  std::vector<Level> levels;  ///< the first is the file's own, then coarser and coarser
+  /// As GDAL's geotransform, of the file's pixels in CRS units; meaningful when `georeferenced`.
+  std::array<double, 6> transform{0, 1, 0, 0, 0, 1};
+  bool georeferenced = false;
+  OGRSpatialReference crs;  ///< x, y order; empty when unknown
+  std::string height_unit = "metre";
+  double scale = 1, offset = 0;  ///< stored value -> the height unit
+  double unit = 1;               ///< metres a height unit
+  std::vector<std::string> notes;
+  ReadReport report;
+
+ protected:
+  DemSource() = default;
+  /// Stored values. NaN where a mask says so.
+  virtual void read_stored(std::size_t level, int x, int y, int w, int h, double* out) = 0;
+  bool has_nodata = false;
+  bool nan_marks_missing = false;  ///< NaN is the file's own word for missing, not a surprise
+  double nodata = 0;
+
+ private:
+  bool is_nodata(double stored) const;
+};
+
+/// Area averages of the file's pixels of a window: pixel (i, j) covers fx by fy of the file's pixels.
+/// Reads by strips from the coarsest level that is fine enough.
+raster::Grid<float> read_window(DemSource& source, const std::array<int, 4>& window, double fx, double fy,
+                                int width, int height, Progress& progress);
+
+}  // namespace tafoni::io::impl
