@@ -25,7 +25,7 @@ enum class Boundary {
 struct PolygonizeSettings {
   double voxel = 1.0;  ///< size of a cell, metres
   Boundary boundary = Boundary::solid;
-  /// Local metres. `open` keeps the cells whose centre lies in it, `solid` every cell that touches it, so
+  /// Local metres. `open` keeps the cells whose centre lies in it; `solid` every chunk that touches it, so
   /// that a region that holds the whole surface loses nothing. Empty: the field's bounds.
   Box3d region;
   /// `open` only: columns of cells whose centre (x, y), local metres, fails this are left out. May be null.
@@ -53,8 +53,8 @@ struct PolygonizeStats {
 };
 
 /// One mesh, its vertices shared across chunks. Positions are local (origin is left zero).
-/// Throws Error{usage} for a voxel too small for the region: more than 2^31 cells a side, or positions that
-/// float cannot tell apart.
+/// Throws Error{usage} for a voxel too small for the region: more than 2^30 cells from the origin, or
+/// positions that float cannot tell apart.
 Mesh polygonize(const field::CompiledField& field, const PolygonizeSettings& settings,
                 Progress& progress = silent(), PolygonizeStats* stats = nullptr);
 Mesh polygonize(const SourceFactory& source, const Box3d& bounds, const PolygonizeSettings& settings,
