@@ -1,0 +1,100 @@
+#include "tafoni/terrain/generator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+
+namespace tafoni::terrain {
+namespace {
+
+using testing::HasSubstr;
+
+const Values small{{"width", std::int64_t{90}}, {"height", std::int64_t{70}}, {"pixel", 4.0}};
+
+class EveryGenerator : public testing::TestWithParam<const GeneratorType*> {};
+
+TEST_P(EveryGenerator, IsDeclaredInFull) {
+  const GeneratorType& type = *GetParam();
+  EXPECT_EQ(&find_generator(type.name), &type);
+  EXPECT_FALSE(type.doc.empty());
+  ASSERT_GE(type.params.size(), 3u);
+  EXPECT_EQ(type.params[0].name, "width");
+  EXPECT_EQ(type.params[1].name, "height");
+  EXPECT_EQ(type.params[2].name, "pixel");
+  for (const ParamInfo& info : type.params) {
+    EXPECT_FALSE(info.doc.empty()) << info.name;
+    EXPECT_EQ(checked(info, info.init, type.name), info.init) << info.name;
+  }
+}
+
+TEST_P(EveryGenerator, MakesTheGridThatIsAskedFor) {
+  const raster::Raster made = GetParam()->generate(small, 1, silent());
+  EXPECT_EQ(made.width(), 90);
+  EXPECT_EQ(made.height(), 70);
+  EXPECT_EQ(made.placement.dx, 4);
+  EXPECT_EQ(made.placement.dy, 4);
+  EXPECT_EQ(made.placement.west, 0);
+  EXPECT_EQ(made.placement.north, 280);
+}
+
+TEST_P(EveryGenerator, DependsOnTheSeedButNotOnThreads) {
+  set_thread_count(1);
+  const auto one = GetParam()->generate(small, 5, silent());
+  set_thread_count(2);
+  const auto two = GetParam()->generate(small, 5, silent());
+  set_thread_count(0);
+  EXPECT_EQ(one.values.values(), two.values.values());
+  EXPECT_NE(one.values.values(), GetParam()->generate(small, 6, silent()).values.values());
+}
+
+TEST_P(EveryGenerator, IsFiniteAtTheEndsOfEveryRange) {
+  for (const ParamInfo& info : GetParam()->params) {
+    if (info.kind != ValueKind::real || info.name == "pixel") continue;
+    for (double end : {info.min, info.max}) {
+      Values values = small;
+      values[info.name] = end;
+      const auto made = GetParam()->generate(values, 2, silent());
+      EXPECT_TRUE(std::all_of(made.values.values().begin(), made.values.values().end(),
+                              [](float h) { return std::isfinite(h); }))
+          << info.name << " = " << end;
+    }
+  }
+}
+
+TEST_P(EveryGenerator, MakesTheLeastGrid) {
+  const auto made =
+      GetParam()->generate({{"width", std::int64_t{2}}, {"height", std::int64_t{2}}}, 1, silent());
+  for (float h : made.values.values()) EXPECT_TRUE(std::isfinite(h));
+}
+
+TEST_P(EveryGenerator, CanBeCancelled) {
+  Progress progress;
+  progress.cancel();
+  EXPECT_THROW(GetParam()->generate(small, 1, progress), Error);
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, EveryGenerator,
+                         testing::ValuesIn(all_generators().begin(), all_generators().end()),
+                         [](const auto& tested) { return tested.param->name; });
+
+TEST(Generator, UnknownNameGetsTheNearest) {
+  const auto error_of = [](std::string_view name) -> std::string {
+    try {
+      find_generator(name);
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(error_of("caost"), "unknown generator \"caost\"; did you mean \"coast\"?");
+  EXPECT_THAT(error_of("moonscape"), HasSubstr("known are "));
+}
+
+}  // namespace
+}  // namespace tafoni::terrain
