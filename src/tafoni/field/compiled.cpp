@@ -59,10 +59,11 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points) {
   return order;
 }
 
-/// Calls run(work, indices) for packs of up to eight neighbouring points.
+/// Calls run(work, indices) for packs of up to eight neighbouring points, loaded and with their primitives
+/// found.
 template <class Run>
-void in_packs(std::span<const Vec3d> points, const Run& run) {
-  constexpr std::size_t few = 64;
+void in_packs(const Program& program, std::span<const Vec3d> points, const Run& run) {
+  constexpr std::size_t few = 64, group_size = 64, pack_size = 8;
   std::vector<std::uint32_t> order;
   if (points.size() > few) {
     order = spatial_order(points);
@@ -70,14 +71,23 @@ void in_packs(std::span<const Vec3d> points, const Run& run) {
     order.resize(points.size());
     std::iota(order.begin(), order.end(), 0u);
   }
-  const auto packs = [&](std::size_t begin, std::size_t end) {
+  const auto groups = [&](std::size_t begin, std::size_t end) {
     auto& work = impl::PointWork::local();
-    for (std::size_t i = begin; i < end; i += 8)
-      run(work, std::span(order).subspan(i, std::min<std::size_t>(8, end - i)));
+    for (std::size_t g = begin; g < end; g += group_size) {
+      const auto group = std::span(order).subspan(g, std::min(group_size, end - g));
+      work.collect(program, points, group);
+      for (std::size_t i = 0; i < group.size(); i += pack_size) {
+        const auto pack = group.subspan(i, std::min(pack_size, group.size() - i));
+        work.load(points, pack);
+        work.narrow(program);
+        run(work, pack);
+      }
+    }
   };
-  if (points.size() <= 2048) return packs(0, points.size());
-  parallel_blocks(static_cast<std::int64_t>(points.size()), 2048, [&](std::int64_t begin, std::int64_t end) {
-    packs(static_cast<std::size_t>(begin), static_cast<std::size_t>(end));
+  constexpr std::size_t share = 2048;
+  if (points.size() <= share) return groups(0, points.size());
+  parallel_blocks(static_cast<std::int64_t>(points.size()), share, [&](std::int64_t begin, std::int64_t end) {
+    groups(static_cast<std::size_t>(begin), static_cast<std::size_t>(end));
   });
 }
 
@@ -91,9 +101,7 @@ float CompiledField::value(Vec3d p) const {
 
 void CompiledField::values(std::span<const Vec3d> points, std::span<float> out) const {
   if (out.size() != points.size()) fail(ErrorKind::internal, "values() wants one result a point");
-  in_packs(points, [&](impl::PointWork& work, std::span<const std::uint32_t> pack) {
-    work.load(points, pack);
-    work.collect(*program_);
+  in_packs(*program_, points, [&](impl::PointWork& work, std::span<const std::uint32_t> pack) {
     const float* f = work.values(*program_);
     for (std::size_t l = 0; l < pack.size(); ++l) out[pack[l]] = f[l];
   });
@@ -103,9 +111,7 @@ void CompiledField::gradients(std::span<const Vec3d> points, std::span<float> va
                               std::span<Vec3f> gradients) const {
   if (values.size() != points.size() || gradients.size() != points.size())
     fail(ErrorKind::internal, "gradients() wants one result a point");
-  in_packs(points, [&](impl::PointWork& work, std::span<const std::uint32_t> pack) {
-    work.load(points, pack);
-    work.collect(*program_);
+  in_packs(*program_, points, [&](impl::PointWork& work, std::span<const std::uint32_t> pack) {
     const impl::PointValues& g = work.gradients(*program_);
     for (std::size_t l = 0; l < pack.size(); ++l) {
       values[pack[l]] = g.v[l];

@@ -109,18 +109,19 @@ Cloud::Cloud(const PrimitiveType& type, float falloff, const Noise& noise, std::
 
 float Cloud::reach_of(float radius, std::span<const float> extras) const {
   const float support = type_->volumetric ? radius + falloff_ : radius;
-  return padded(support + noise_.amplitude + type_->extent(extras));
+  const float extent = extras.empty() ? 0.f : type_->extent(extras);
+  return padded(support + noise_.amplitude + extent);
 }
 
 void Cloud::build_index(const std::vector<Box3f>& boxes) {
   std::vector<Box3f> current = boxes;
   while (!current.empty()) {
     const std::size_t nodes = (current.size() + fan - 1) / fan;
-    std::vector<Wide> level(nodes);
+    std::vector<WideBox> level(nodes);
     std::vector<Box3f> parents(nodes);
     for (std::size_t i = 0; i < nodes * fan; ++i) {
       const Box3f box = i < current.size() ? current[i] : Box3f{};
-      Wide& w = level[i / fan];
+      WideBox& w = level[i / fan];
       const auto c = i % fan;
       w.lo[0][c] = box.lo.x, w.lo[1][c] = box.lo.y, w.lo[2][c] = box.lo.z;
       w.hi[0][c] = box.hi.x, w.hi[1][c] = box.hi.y, w.hi[2][c] = box.hi.z;
@@ -136,45 +137,44 @@ std::uint64_t Cloud::bytes() const {
   std::uint64_t total = sizeof(*this) + packed_.size() * sizeof(PackedPrimitive) +
                         blocks_.size() * sizeof(Block) + pool_.size() * sizeof(float) +
                         extra_offsets_.size() * sizeof(std::uint32_t);
-  for (const auto& level : levels_) total += level.size() * sizeof(Wide);
+  for (const auto& level : levels_) total += level.size() * sizeof(WideBox);
   return total;
 }
 
-void Cloud::decode(const Block& block, std::size_t i, Primitives& out) const {
+bool Cloud::decode(const Block& block, std::size_t i, const Box3f& box, Primitives& out) const {
   const PackedPrimitive& p = packed_[i];
-  out.x.push_back((block.cell[0] * (1 << cell_bits)) + static_cast<std::int32_t>(p.anchor & cell_mask));
-  out.y.push_back((block.cell[1] * (1 << cell_bits)) +
-                  static_cast<std::int32_t>(p.anchor >> cell_bits & cell_mask));
-  out.z.push_back((block.cell[2] * (1 << cell_bits)) +
-                  static_cast<std::int32_t>(p.anchor >> (2 * cell_bits) & cell_mask));
-  out.radius.push_back(p.radius);
-  out.energy.push_back(p.energy);
-  std::span<const float> extras;
+  const std::int32_t x = block.cell[0] * (1 << cell_bits) + static_cast<std::int32_t>(p.anchor & cell_mask);
+  const std::int32_t y =
+      block.cell[1] * (1 << cell_bits) + static_cast<std::int32_t>(p.anchor >> cell_bits & cell_mask);
+  const std::int32_t z =
+      block.cell[2] * (1 << cell_bits) + static_cast<std::int32_t>(p.anchor >> (2 * cell_bits) & cell_mask);
+  std::size_t begin = 0, end = 0;
   if (type_->extras > 0) {
-    const std::size_t begin =
-        type_->variable ? extra_offsets_[i] : i * static_cast<std::size_t>(type_->extras);
-    const std::size_t end =
-        type_->variable ? extra_offsets_[i + 1] : begin + static_cast<std::size_t>(type_->extras);
+    begin = type_->variable ? extra_offsets_[i] : i * static_cast<std::size_t>(type_->extras);
+    end = type_->variable ? extra_offsets_[i + 1] : begin + static_cast<std::size_t>(type_->extras);
+  }
+  const float reach = reach_of(p.radius, std::span(pool_).subspan(begin, end - begin));
+  const auto gap = [](float lo, float hi, std::int32_t at) {
+    const float c = static_cast<float>(to_metres(at));
+    return std::max(std::max(lo - c, c - hi), 0.f);
+  };
+  const float dx = gap(box.lo.x, box.hi.x, x), dy = gap(box.lo.y, box.hi.y, y),
+              dz = gap(box.lo.z, box.hi.z, z);
+  const float far = reach + position_slack;
+  if (dx * dx + dy * dy + dz * dz > far * far) return false;
+  out.x.push_back(x), out.y.push_back(y), out.z.push_back(z);
+  out.radius.push_back(p.radius), out.energy.push_back(p.energy), out.reach.push_back(reach);
+  if (type_->extras > 0) {
     out.extra.push_back(static_cast<std::uint32_t>(begin));
     out.extra_count.push_back(static_cast<std::uint32_t>(end - begin));
-    extras = std::span(pool_).subspan(begin, end - begin);
   }
-  out.reach.push_back(reach_of(p.radius, extras));
+  return true;
 }
 
 void Cloud::collect(const Box3f& box, Primitives& out) const {
   if (levels_.empty()) return;
-  const float lo[3] = {box.lo.x, box.lo.y, box.lo.z}, hi[3] = {box.hi.x, box.hi.y, box.hi.z};
-  const auto hits = [&](const Wide& w) {
-    unsigned mask = 0;
-    for (int c = 0; c < fan; ++c) {
-      const bool hit = (w.lo[0][c] <= hi[0]) & (w.hi[0][c] >= lo[0]) & (w.lo[1][c] <= hi[1]) &
-                       (w.hi[1][c] >= lo[1]) & (w.lo[2][c] <= hi[2]) & (w.hi[2][c] >= lo[2]);
-      mask |= static_cast<unsigned>(hit) << c;
-    }
-    return mask;
-  };
-  // Depth first, children in order: primitives come out sorted. Ten levels of eight hold 10^9 blocks.
+  const auto overlaps = index_kernels().overlaps;
+  // Depth first, children in order: primitives come out sorted. Sixteen levels of eight hold any cloud.
   struct Frame {
     std::size_t node;
     unsigned mask;
@@ -182,7 +182,7 @@ void Cloud::collect(const Box3f& box, Primitives& out) const {
   std::array<Frame, 16> stack;
   std::size_t depth = 0;
   const std::size_t top = levels_.size() - 1;
-  stack[0] = {0, hits(levels_[top][0])};
+  stack[0] = {0, overlaps(levels_[top][0], box)};
   for (;;) {
     Frame& frame = stack[depth];
     if (frame.mask == 0) {
@@ -194,26 +194,11 @@ void Cloud::collect(const Box3f& box, Primitives& out) const {
     frame.mask &= frame.mask - 1;
     if (depth < top) {
       ++depth;
-      stack[depth] = {child, hits(levels_[top - depth][child])};
+      stack[depth] = {child, overlaps(levels_[top - depth][child], box)};
       continue;
     }
     const Block& block = blocks_[child];
-    for (std::size_t i = block.first; i < block.first + block.count; ++i) {
-      decode(block, i, out);
-      const std::size_t n = out.size() - 1;
-      const float c[3] = {static_cast<float>(to_metres(out.x[n])), static_cast<float>(to_metres(out.y[n])),
-                          static_cast<float>(to_metres(out.z[n]))};
-      float d2 = 0;
-      for (int a = 0; a < 3; ++a) {
-        const float d = std::max(std::max(lo[a] - c[a], c[a] - hi[a]), 0.f);
-        d2 += d * d;
-      }
-      const float reach = out.reach[n] + position_slack;
-      if (d2 <= reach * reach) continue;
-      out.x.pop_back(), out.y.pop_back(), out.z.pop_back();
-      out.radius.pop_back(), out.energy.pop_back(), out.reach.pop_back();
-      if (type_->extras > 0) out.extra.pop_back(), out.extra_count.pop_back();
-    }
+    for (std::size_t i = block.first; i < block.first + block.count; ++i) decode(block, i, box, out);
   }
 }
 

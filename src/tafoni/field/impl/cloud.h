@@ -22,6 +22,18 @@ struct PackedPrimitive {
 };
 static_assert(sizeof(PackedPrimitive) == 16);
 
+/// Bounds of up to eight children, structure of arrays; absent children are empty boxes.
+struct WideBox {
+  static constexpr int fan = 8;
+  alignas(32) float lo[3][fan], hi[3][fan];
+};
+
+struct IndexKernels {
+  /// Bit c: child c touches `box`.
+  unsigned (*overlaps)(const WideBox&, const Box3f& box);
+};
+const IndexKernels& index_kernels();
+
 class Cloud {
  public:
   struct Record {
@@ -48,18 +60,14 @@ class Cloud {
 
  private:
   static constexpr std::size_t block_size = 16;
-  static constexpr int fan = 8;
+  static constexpr int fan = WideBox::fan;
   struct Block {
     std::int16_t cell[3];
     std::uint16_t count;
     std::uint32_t first;
   };
-  /// Bounds of up to eight children, structure of arrays; absent children are empty boxes.
-  struct Wide {
-    float lo[3][fan], hi[3][fan];
-  };
-
-  void decode(const Block& block, std::size_t i, Primitives& out) const;
+  /// Appends primitive i if its support may touch `box`.
+  bool decode(const Block& block, std::size_t i, const Box3f& box, Primitives& out) const;
   float reach_of(float radius, std::span<const float> extras) const;
   void build_index(const std::vector<Box3f>& boxes);
 
@@ -70,7 +78,7 @@ class Cloud {
   std::vector<std::uint32_t> extra_offsets_;  ///< size() + 1 for variable kinds, else empty
   std::vector<float> pool_;
   std::vector<Block> blocks_;
-  std::vector<std::vector<Wide>> levels_;  ///< [0] bounds the blocks, the last has one node
+  std::vector<std::vector<WideBox>> levels_;  ///< [0] bounds the blocks, the last has one node
   Box3f bounds_;
 };
 

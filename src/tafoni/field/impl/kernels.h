@@ -31,7 +31,9 @@ struct Fixed {
 /// Nearest unit; |rest| <= unit / 2. Clamped to the limit, where nothing lives.
 inline Fixed to_fixed(double metres) {
   const double clamped = metres > reach_limit ? reach_limit : metres < -reach_limit ? -reach_limit : metres;
-  const double units = std::nearbyint(clamped * (1 << unit_bits));
+  // Adding 1.5 * 2^52 rounds to the nearest integer, ties to even, without a call.
+  constexpr double magic = 6755399441055744.0;
+  const double units = (clamped * (1 << unit_bits) + magic) - magic;
   return {static_cast<std::int32_t>(units), static_cast<float>(clamped - units * unit)};
 }
 inline double to_metres(std::int32_t units) {

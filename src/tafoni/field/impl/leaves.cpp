@@ -173,20 +173,42 @@ struct PointSamples {
   alignas(32) float w[4][8], d[4][8], dd[4][8];
 };
 
+/// The 4 x 4 pixels under one point, and their rows joined by vertical weights.
+struct Patch {
+  alignas(16) float edge[4][4];  ///< copies, where the raster's border cuts the patch
+  const float* rows[4];
+
+  HWY_INLINE Patch(const raster::Grid<float>& grid, int col, int row) {
+    const bool inside = col >= 0 && col + 4 <= grid.width();
+    for (int r = 0; r < 4; ++r) {
+      const float* pixels = grid.row(std::clamp(row + r, 0, grid.height() - 1));
+      rows[r] = pixels + col;
+      if (inside) continue;
+      for (int c = 0; c < 4; ++c) edge[r][c] = pixels[std::clamp(col + c, 0, grid.width() - 1)];
+      rows[r] = edge[r];
+    }
+  }
+  /// The same chain of operations as weighted().
+  HWY_INLINE void join(const float (&w)[4], float (&out)[4][8], int lane) const {
+    const hn::CappedTag<float, 4> d;  // one lane where the machine has no vectors
+    alignas(16) float four[4];
+    for (std::size_t c = 0; c < 4; c += hn::Lanes(d)) {
+      auto sum = hn::Mul(hn::LoadU(d, rows[0] + c), hn::Set(d, w[0]));
+      for (int r = 1; r < 4; ++r) sum = hn::MulAdd(hn::LoadU(d, rows[r] + c), hn::Set(d, w[r]), sum);
+      hn::Store(sum, d, four + c);
+    }
+    for (int c = 0; c < 4; ++c) out[c][lane] = four[c];
+  }
+};
+
 HWY_INLINE void sample_points(const Sampler& sampler, const Vec3d* p, int derivatives, PointSamples& s) {
-  const auto& grid = sampler.raster().values;
   for (int l = 0; l < 8; ++l) {
     const Taps tx = sampler.taps_x(p[l].x), ty = sampler.taps_y(p[l].y);
-    float joined[8];
-    join_rows(grid, ty, ty.w, tx.first, 4, joined);
-    for (int k = 0; k < 4; ++k)
-      s.v[k][l] = joined[k], s.w[k][l] = tx.w[k], s.d[k][l] = tx.d[k], s.dd[k][l] = tx.dd[k];
-    if (derivatives < 1) continue;
-    join_rows(grid, ty, ty.d, tx.first, 4, joined);
-    for (int k = 0; k < 4; ++k) s.vy[k][l] = joined[k];
-    if (derivatives < 2) continue;
-    join_rows(grid, ty, ty.dd, tx.first, 4, joined);
-    for (int k = 0; k < 4; ++k) s.vyy[k][l] = joined[k];
+    const Patch patch(sampler.raster().values, tx.first, ty.first);
+    for (int k = 0; k < 4; ++k) s.w[k][l] = tx.w[k], s.d[k][l] = tx.d[k], s.dd[k][l] = tx.dd[k];
+    patch.join(ty.w, s.v, l);
+    if (derivatives >= 1) patch.join(ty.d, s.vy, l);
+    if (derivatives >= 2) patch.join(ty.dd, s.vyy, l);
   }
 }
 HWY_INLINE Lanes across(const float (&a)[4][8], const float (&w)[4][8], std::size_t l) {

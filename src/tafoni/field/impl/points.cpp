@@ -20,10 +20,12 @@ void PointWork::load(std::span<const Vec3d> points, std::span<const std::uint32_
   }
 }
 
-void PointWork::collect(const Program& program) {
+void PointWork::collect(const Program& program, std::span<const Vec3d> points,
+                        std::span<const std::uint32_t> group) {
   Box3f box;
-  for (const Vec3d& p : points_) box.expand(to_float(p));
+  for (std::uint32_t i : group) box.expand(to_float(points[i]));
   decoded_.resize(std::max(decoded_.size(), program.clouds.size()));
+  narrowed_.resize(decoded_.size());
   lists_.clear();
   for (std::size_t c = 0; c < program.clouds.size(); ++c) {
     decoded_[c].clear();
@@ -36,6 +38,32 @@ void PointWork::collect(const Program& program) {
     lists_.push_back({&decoded_[c], nullptr, n});
   }
   for (List& list : lists_) list.items = iota_.data();
+}
+
+void PointWork::narrow(const Program& program) {
+  constexpr std::size_t worth_it = 12;
+  Box3f box;
+  for (const Vec3d& p : points_) box.expand(to_float(p));
+  for (std::size_t c = 0; c < program.clouds.size(); ++c) {
+    const Primitives& p = decoded_[c];
+    lists_[c] = {&p, iota_.data(), p.size()};
+    if (p.size() < worth_it) continue;
+    auto& kept = narrowed_[c];
+    kept.resize(p.size());
+    std::size_t n = 0;
+    for (std::uint32_t i = 0; i < p.size(); ++i) {
+      const auto gap = [](float lo, float hi, std::int32_t at) {
+        const float v = static_cast<float>(to_metres(at));
+        return std::max(std::max(lo - v, v - hi), 0.f);
+      };
+      const float dx = gap(box.lo.x, box.hi.x, p.x[i]), dy = gap(box.lo.y, box.hi.y, p.y[i]),
+                  dz = gap(box.lo.z, box.hi.z, p.z[i]);
+      const float far = p.reach[i] + position_slack;
+      kept[n] = i;
+      n += dx * dx + dy * dy + dz * dz <= far * far;
+    }
+    lists_[c] = {&p, kept.data(), n};
+  }
 }
 
 const float* PointWork::values(const Program& program) {

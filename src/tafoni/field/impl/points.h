@@ -16,8 +16,10 @@ class PointWork {
 
   /// Loads points[pack[0]] …; unused lanes repeat the first.
   void load(std::span<const Vec3d> points, std::span<const std::uint32_t> pack);
-  /// Finds the primitives that may touch the loaded points.
-  void collect(const Program& program);
+  /// Finds the primitives that may touch any point of a group, once for all its packs.
+  void collect(const Program& program, std::span<const Vec3d> points, std::span<const std::uint32_t> group);
+  /// Narrows what collect() found to the loaded points, where that pays.
+  void narrow(const Program& program);
   /// Or: takes decoded primitives and lists from elsewhere, one a cloud.
   struct List {
     const Primitives* primitives;
@@ -35,6 +37,7 @@ class PointWork {
   PointLanes lanes_;
   std::vector<Primitives> decoded_;
   std::vector<std::uint32_t> iota_;
+  std::vector<std::vector<std::uint32_t>> narrowed_;
   std::vector<List> lists_;
   struct Slot {
     alignas(32) float f[8];

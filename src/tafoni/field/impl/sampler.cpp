@@ -45,10 +45,10 @@ Sampler::Sampler(std::shared_ptr<const raster::Raster> raster, bool bicubic)
 
 Taps Sampler::taps(double pixel, int size) const {
   const double clamped = std::clamp(pixel, 0.0, static_cast<double>(size - 1));
-  const double whole = std::floor(clamped);
+  const auto whole = static_cast<std::int32_t>(clamped);  // floor: clamped is not negative
   const float t = static_cast<float>(clamped - whole);
   Taps taps;
-  taps.first = static_cast<std::int32_t>(whole) - 1;
+  taps.first = whole - 1;
   if (bicubic_) {  // Catmull-Rom
     const float t2 = t * t, t3 = t2 * t;
     const float w[4] = {0.5f * (2 * t2 - t3 - t), 0.5f * (3 * t3 - 5 * t2 + 2), 0.5f * (4 * t2 - 3 * t3 + t),
