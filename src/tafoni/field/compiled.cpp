@@ -20,42 +20,42 @@ CompiledField compile(const NodePtr& root) {
 
 namespace {
 
-/// Order of points along a space-filling curve, so that neighbours share a pack. Radix sort of 33-bit keys.
+/// Order of points along a space-filling curve, so that neighbours share a pack. Radix sort of 32-bit keys;
+/// any order gives the same values.
 std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points) {
   Box3d box;
   for (const Vec3d& p : points) box.expand(p);
   const Vec3d size = box.size();
-  const double scale = 2047 / std::max({size.x, size.y, size.z, 1e-9});
-  const auto spread = [](std::uint64_t v) {
-    v = (v | v << 32) & 0x1f00000000ffffull;
-    v = (v | v << 16) & 0x1f0000ff0000ffull;
-    v = (v | v << 8) & 0x100f00f00f00f00full;
-    v = (v | v << 4) & 0x10c30c30c30c30c3ull;
-    return (v | v << 2) & 0x1249249249249249ull;
+  constexpr int bits = 11;
+  const double scale = 2046 / std::max({size.x, size.y, 2 * size.z, 1e-9});
+  const auto spread = [](std::uint32_t v) {
+    std::uint64_t w = v;
+    w = (w | w << 16) & 0x0000ff0000ffull;
+    w = (w | w << 8) & 0x00f00f00f00full;
+    w = (w | w << 4) & 0x0c30c30c30c3ull;
+    return (w | w << 2) & 0x249249249249ull;
   };
-  struct Item {
-    std::uint64_t key;
-    std::uint32_t index;
-  };
-  std::vector<Item> items(points.size()), other(points.size());
-  parallel_blocks(
-      static_cast<std::int64_t>(points.size()), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
-        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-          const Vec3d d = (points[i] - box.lo) * scale;
-          items[i] = {spread(static_cast<std::uint64_t>(d.x)) | spread(static_cast<std::uint64_t>(d.y)) << 1 |
-                          spread(static_cast<std::uint64_t>(d.z)) << 2,
-                      static_cast<std::uint32_t>(i)};
-        }
-      });
-  for (int shift = 0; shift < 33; shift += 11) {
-    std::array<std::uint32_t, 2049> count{};
-    for (const Item& item : items) ++count[(item.key >> shift & 2047) + 1];
+  std::vector<std::uint64_t> items(points.size()), other(points.size());  // key above, index below
+  parallel_blocks(static_cast<std::int64_t>(points.size()), 1 << 16,
+                  [&](std::int64_t begin, std::int64_t end) {
+                    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+                      const Vec3d d = (points[i] - box.lo) * scale;
+                      const std::uint64_t key = spread(static_cast<std::uint32_t>(d.x)) |
+                                                spread(static_cast<std::uint32_t>(d.y)) << 1 |
+                                                spread(static_cast<std::uint32_t>(d.z)) << 2;
+                      items[i] = key << 32 | i;
+                    }
+                  });
+  for (int shift = 32; shift < 64; shift += bits) {
+    std::array<std::uint32_t, (1 << bits) + 1> count{};
+    constexpr std::uint64_t mask = (1 << bits) - 1;
+    for (std::uint64_t item : items) ++count[(item >> shift & mask) + 1];
     std::partial_sum(count.begin(), count.end(), count.begin());
-    for (const Item& item : items) other[count[item.key >> shift & 2047]++] = item;
+    for (std::uint64_t item : items) other[count[item >> shift & mask]++] = item;
     items.swap(other);
   }
   std::vector<std::uint32_t> order(points.size());
-  for (std::size_t i = 0; i < items.size(); ++i) order[i] = items[i].index;
+  for (std::size_t i = 0; i < items.size(); ++i) order[i] = static_cast<std::uint32_t>(items[i]);
   return order;
 }
 
@@ -71,15 +71,32 @@ void in_packs(const Program& program, std::span<const Vec3d> points, const Run& 
     order.resize(points.size());
     std::iota(order.begin(), order.end(), 0u);
   }
+  // A group grows past one pack only while it stays as small as the primitives it would find.
+  const float spread = impl::typical_reach(program) * 3;
+  const auto group_end = [&](std::size_t begin, std::size_t end) {
+    Box3f box;
+    std::size_t i = begin;
+    constexpr std::size_t ahead = 32;
+    for (; i < std::min(begin + group_size, end); ++i) {
+      // The points lie scattered in memory; sorting gave only their order.
+      __builtin_prefetch(&points[order[std::min(i + ahead, order.size() - 1)]]);
+      box.expand(to_float(points[order[i]]));
+      const Vec3f size = box.size();
+      if (i >= begin + pack_size && std::max({size.x, size.y, size.z}) > spread) break;
+    }
+    return i;
+  };
   const auto groups = [&](std::size_t begin, std::size_t end) {
     auto& work = impl::PointWork::local();
-    for (std::size_t g = begin; g < end; g += group_size) {
-      const auto group = std::span(order).subspan(g, std::min(group_size, end - g));
+    while (begin < end) {
+      const std::size_t next = group_end(begin, end);
+      const auto group = std::span(order).subspan(begin, next - begin);
+      begin = next;
       work.collect(program, points, group);
       for (std::size_t i = 0; i < group.size(); i += pack_size) {
         const auto pack = group.subspan(i, std::min(pack_size, group.size() - i));
         work.load(points, pack);
-        work.narrow(program);
+        if (group.size() > pack_size) work.narrow(program);
         run(work, pack);
       }
     }

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <limits>
 #include <numeric>
 
 namespace tafoni::field::impl {
@@ -32,9 +33,8 @@ std::uint32_t order_key(float v) {
   return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
 }
 
-/// Rounding in the kernels is a few parts in 10^7; beyond this the contribution is exactly zero.
 float padded(float reach) {
-  return reach * (1.f + 1e-5f) + 2e-4f;
+  return reach * reach_factor + reach_margin;
 }
 
 }  // namespace
@@ -71,9 +71,11 @@ Cloud::Cloud(const PrimitiveType& type, float falloff, const Noise& noise, std::
     return std::lexicographical_compare(ea.begin(), ea.end(), eb.begin(), eb.end());
   });
 
-  packed_.reserve(records.size());
+  for (auto* v : {&packed_.lo, &packed_.hi}) v->reserve(records.size());
+  for (auto* v : {&packed_.radius, &packed_.energy}) v->reserve(records.size());
   if (type.variable) extra_offsets_.reserve(records.size() + 1);
   std::vector<Box3f> boxes;
+  double reaches = 0;
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const Record& r = records[keys[i].index];
     const Vec3i a = r.anchor;
@@ -86,24 +88,28 @@ Cloud::Cloud(const PrimitiveType& type, float falloff, const Noise& noise, std::
       boxes.emplace_back();
     }
     ++blocks_.back().count;
-    packed_.push_back({static_cast<std::uint64_t>(a.x & cell_mask) |
-                           static_cast<std::uint64_t>(a.y & cell_mask) << cell_bits |
-                           static_cast<std::uint64_t>(a.z & cell_mask) << (2 * cell_bits),
-                       r.radius, r.energy});
+    const auto wx = static_cast<std::uint32_t>(a.x & cell_mask),
+               wy = static_cast<std::uint32_t>(a.y & cell_mask),
+               wz = static_cast<std::uint32_t>(a.z & cell_mask);
+    packed_.lo.push_back(wx | wy << 21);
+    packed_.hi.push_back(wy >> 11 | wz << 10);
+    packed_.radius.push_back(r.radius);
+    packed_.energy.push_back(r.energy);
     const auto extras = extras_of(r);
     if (type.variable) extra_offsets_.push_back(static_cast<std::uint32_t>(pool_.size()));
     pool_.insert(pool_.end(), extras.begin(), extras.end());
     const float reach = reach_of(r.radius, extras);
+    reaches += static_cast<double>(reach);
     const Vec3f c{static_cast<float>(to_metres(a.x)), static_cast<float>(to_metres(a.y)),
                   static_cast<float>(to_metres(a.z))};
     // The anchor itself is rounded to float here: 8 mm at the limit of the frame.
     boxes.back().expand(Box3f{c, c}.grown(reach + position_slack));
   }
   if (type.variable) extra_offsets_.push_back(static_cast<std::uint32_t>(pool_.size()));
-  packed_.shrink_to_fit();
   blocks_.shrink_to_fit();
   pool_.shrink_to_fit();
   for (const Box3f& b : boxes) bounds_.expand(b);
+  if (!records.empty()) mean_reach_ = static_cast<float>(reaches / static_cast<double>(records.size()));
   build_index(boxes);
 }
 
@@ -134,46 +140,40 @@ void Cloud::build_index(const std::vector<Box3f>& boxes) {
 }
 
 std::uint64_t Cloud::bytes() const {
-  std::uint64_t total = sizeof(*this) + packed_.size() * sizeof(PackedPrimitive) +
-                        blocks_.size() * sizeof(Block) + pool_.size() * sizeof(float) +
-                        extra_offsets_.size() * sizeof(std::uint32_t);
+  std::uint64_t total = sizeof(*this) + packed_.size() * 16 + blocks_.size() * sizeof(Block) +
+                        pool_.size() * sizeof(float) + extra_offsets_.size() * sizeof(std::uint32_t);
   for (const auto& level : levels_) total += level.size() * sizeof(WideBox);
   return total;
 }
 
-bool Cloud::decode(const Block& block, std::size_t i, const Box3f& box, Primitives& out) const {
-  const PackedPrimitive& p = packed_[i];
-  const std::int32_t x = block.cell[0] * (1 << cell_bits) + static_cast<std::int32_t>(p.anchor & cell_mask);
-  const std::int32_t y =
-      block.cell[1] * (1 << cell_bits) + static_cast<std::int32_t>(p.anchor >> cell_bits & cell_mask);
-  const std::int32_t z =
-      block.cell[2] * (1 << cell_bits) + static_cast<std::int32_t>(p.anchor >> (2 * cell_bits) & cell_mask);
-  std::size_t begin = 0, end = 0;
-  if (type_->extras > 0) {
-    begin = type_->variable ? extra_offsets_[i] : i * static_cast<std::size_t>(type_->extras);
-    end = type_->variable ? extra_offsets_[i + 1] : begin + static_cast<std::size_t>(type_->extras);
-  }
-  const float reach = reach_of(p.radius, std::span(pool_).subspan(begin, end - begin));
-  const auto gap = [](float lo, float hi, std::int32_t at) {
-    const float c = static_cast<float>(to_metres(at));
-    return std::max(std::max(lo - c, c - hi), 0.f);
-  };
-  const float dx = gap(box.lo.x, box.hi.x, x), dy = gap(box.lo.y, box.hi.y, y),
-              dz = gap(box.lo.z, box.hi.z, z);
-  const float far = reach + position_slack;
-  if (dx * dx + dy * dy + dz * dz > far * far) return false;
-  out.x.push_back(x), out.y.push_back(y), out.z.push_back(z);
-  out.radius.push_back(p.radius), out.energy.push_back(p.energy), out.reach.push_back(reach);
-  if (type_->extras > 0) {
+void Cloud::decode_extras(const Block& block, const Box3f& box, std::size_t from, Primitives& out) const {
+  std::size_t kept = from;
+  for (std::size_t i = 0; i < block.count; ++i) {
+    const std::size_t at = block.first + i, in = from + i;
+    const auto group = static_cast<std::size_t>(type_->extras);
+    const std::size_t begin = type_->variable ? extra_offsets_[at] : at * group;
+    const std::size_t end = type_->variable ? extra_offsets_[at + 1] : begin + group;
+    const float reach = reach_of(out.radius[in], std::span(pool_).subspan(begin, end - begin));
+    const auto gap = [](float lo, float hi, std::int32_t v) {
+      const float c = static_cast<float>(to_metres(v));
+      return std::max(std::max(lo - c, c - hi), 0.f);
+    };
+    const float dx = gap(box.lo.x, box.hi.x, out.x[in]), dy = gap(box.lo.y, box.hi.y, out.y[in]),
+                dz = gap(box.lo.z, box.hi.z, out.z[in]);
+    const float far = reach + position_slack;
+    if (dx * dx + dy * dy + dz * dz > far * far) continue;
+    out.x[kept] = out.x[in], out.y[kept] = out.y[in], out.z[kept] = out.z[in];
+    out.radius[kept] = out.radius[in], out.energy[kept] = out.energy[in], out.reach[kept] = reach;
     out.extra.push_back(static_cast<std::uint32_t>(begin));
     out.extra_count.push_back(static_cast<std::uint32_t>(end - begin));
+    ++kept;
   }
-  return true;
+  out.count = kept;
 }
 
 void Cloud::collect(const Box3f& box, Primitives& out) const {
   if (levels_.empty()) return;
-  const auto overlaps = index_kernels().overlaps;
+  const auto [overlaps, decode] = index_kernels();
   // Depth first, children in order: primitives come out sorted. Sixteen levels of eight hold any cloud.
   struct Frame {
     std::size_t node;
@@ -198,7 +198,20 @@ void Cloud::collect(const Box3f& box, Primitives& out) const {
       continue;
     }
     const Block& block = blocks_[child];
-    for (std::size_t i = block.first; i < block.first + block.count; ++i) decode(block, i, box, out);
+    constexpr std::int32_t cell_size = 1 << cell_bits;
+    const PackedRange range{&packed_,
+                            block.first,
+                            block.count,
+                            {block.cell[0] * cell_size, block.cell[1] * cell_size, block.cell[2] * cell_size},
+                            (type_->volumetric ? falloff_ : 0.f) + noise_.amplitude};
+    const std::size_t from = out.size();
+    if (type_->extras == 0) {
+      decode(range, box, out);
+    } else {
+      constexpr float all = std::numeric_limits<float>::max();
+      decode(range, {{-all, -all, -all}, {all, all, all}}, out);
+      decode_extras(block, box, from, out);
+    }
   }
 }
 

@@ -14,13 +14,13 @@
 
 namespace tafoni::field::impl {
 
-/// A plain primitive: 16 bytes. The anchor is 3 x 21 bits of units within its block's cell of 256 m.
-struct PackedPrimitive {
-  std::uint64_t anchor;
-  float radius;
-  float energy;
+/// Plain primitives, 16 bytes each: the anchor is 3 x 21 bits of units within its block's cell of 256 m, x in
+/// the low 21 bits of `lo`, y in the high 11 of `lo` and the low 10 of `hi`, z above.
+struct Packed {
+  std::vector<std::uint32_t> lo, hi;
+  std::vector<float> radius, energy;
+  std::size_t size() const { return lo.size(); }
 };
-static_assert(sizeof(PackedPrimitive) == 16);
 
 /// Bounds of up to eight children, structure of arrays; absent children are empty boxes.
 struct WideBox {
@@ -28,9 +28,22 @@ struct WideBox {
   alignas(32) float lo[3][fan], hi[3][fan];
 };
 
+/// Primitives [first, first + count) of one block, for decoding.
+struct PackedRange {
+  const Packed* packed;
+  std::size_t first, count;
+  Vec3i cell;    ///< units
+  float beyond;  ///< reach = (radius + beyond), padded
+};
+
+/// Rounding in the kernels is a few parts in 10^7; beyond this the contribution is exactly zero.
+inline constexpr float reach_factor = 1.f + 1e-5f, reach_margin = 2e-4f;
+
 struct IndexKernels {
   /// Bit c: child c touches `box`.
   unsigned (*overlaps)(const WideBox&, const Box3f& box);
+  /// Decodes plain primitives and appends those whose support may touch `box`.
+  void (*decode)(const PackedRange&, const Box3f& box, Primitives& out);
 };
 const IndexKernels& index_kernels();
 
@@ -49,6 +62,7 @@ class Cloud {
   std::size_t size() const { return packed_.size(); }
   std::uint64_t bytes() const;
   const Box3f& bounds() const { return bounds_; }
+  float mean_reach() const { return mean_reach_; }
 
   /// Appends, in canonical order, every primitive whose support may touch `box` (local metres).
   void collect(const Box3f& box, Primitives& out) const;
@@ -66,20 +80,22 @@ class Cloud {
     std::uint16_t count;
     std::uint32_t first;
   };
-  /// Appends primitive i if its support may touch `box`.
-  bool decode(const Block& block, std::size_t i, const Box3f& box, Primitives& out) const;
+  /// Adds reach and extras to decoded primitives of a kind that has extras, and drops what cannot touch
+  /// `box`.
+  void decode_extras(const Block& block, const Box3f& box, std::size_t from, Primitives& out) const;
   float reach_of(float radius, std::span<const float> extras) const;
   void build_index(const std::vector<Box3f>& boxes);
 
   const PrimitiveType* type_;
   float falloff_;
   Noise noise_;
-  std::vector<PackedPrimitive> packed_;
+  Packed packed_;
   std::vector<std::uint32_t> extra_offsets_;  ///< size() + 1 for variable kinds, else empty
   std::vector<float> pool_;
   std::vector<Block> blocks_;
   std::vector<std::vector<WideBox>> levels_;  ///< [0] bounds the blocks, the last has one node
   Box3f bounds_;
+  float mean_reach_ = 0;
 };
 
 }  // namespace tafoni::field::impl

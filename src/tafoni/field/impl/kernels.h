@@ -48,19 +48,27 @@ struct Noise {
   std::uint32_t seed = 0;
 };
 
-/// Decoded primitives, structure of arrays, in canonical order.
+/// Decoded primitives, structure of arrays, in canonical order. The arrays are longer than size(): kernels
+/// store whole vectors.
 struct Primitives {
   std::vector<std::int32_t> x, y, z;  ///< anchors, units
   std::vector<float> radius, energy;  ///< metres
   std::vector<float> reach;           ///< contributes exactly 0 beyond this distance from the anchor
   std::vector<std::uint32_t> extra, extra_count;  ///< into the cloud's pool; empty for kinds without extras
+  std::size_t count = 0;
 
-  std::size_t size() const { return x.size(); }
+  std::size_t size() const { return count; }
   void clear() {
-    for (auto* v : {&x, &y, &z}) v->clear();
-    for (auto* v : {&radius, &energy, &reach}) v->clear();
+    count = 0;
     extra.clear();
     extra_count.clear();
+  }
+  /// Room for `more` primitives beyond size().
+  void reserve(std::size_t more) {
+    if (count + more <= x.size()) return;
+    const std::size_t n = 2 * (count + more);
+    for (auto* v : {&x, &y, &z}) v->resize(n);
+    for (auto* v : {&radius, &energy, &reach}) v->resize(n);
   }
 };
 

@@ -88,6 +88,16 @@ Program flatten(const NodePtr& root) {
   return program;
 }
 
+float typical_reach(const Program& program) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (const Cloud* cloud : program.clouds) {
+    sum += static_cast<double>(cloud->mean_reach()) * static_cast<double>(cloud->size());
+    count += cloud->size();
+  }
+  return count ? static_cast<float>(sum / static_cast<double>(count)) : 0.f;
+}
+
 Interval height_range(const HeightLeaf& leaf, float lo, float hi, float scale_lo, float scale_hi, float z0,
                       float z1) {
   const float v0 = lo - z1, v1 = hi - z0;

@@ -34,6 +34,9 @@ struct Program {
 
 Program flatten(const NodePtr& root);
 
+/// Mean radius of the primitives' supports, metres; 0 without primitives.
+float typical_reach(const Program& program);
+
 /// Ranges of one evaluation, and which code the ranges made needless.
 struct RangeWork {
   std::vector<Interval> stack;
