@@ -1,0 +1,31 @@
+# What `cmake --install` gives: the command, the library for find_package(tafoni), headers and licences.
+include(CMakePackageConfigHelpers)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/tafoni)
+
+get_property(modules GLOBAL PROPERTY TAFONI_MODULES)
+add_library(tafoni_umbrella INTERFACE)
+set_target_properties(tafoni_umbrella PROPERTIES EXPORT_NAME tafoni)
+target_link_libraries(tafoni_umbrella INTERFACE ${modules})
+target_compile_features(tafoni_umbrella INTERFACE cxx_std_20)
+add_library(tafoni::tafoni ALIAS tafoni_umbrella)
+
+if(TARGET tafoni)
+  install(TARGETS tafoni)
+endif()
+install(TARGETS ${modules} tafoni_umbrella EXPORT tafoni_targets)
+install(EXPORT tafoni_targets FILE tafoniTargets.cmake NAMESPACE tafoni:: DESTINATION ${package_dir})
+
+# Of impl/ only what public templates include.
+file(GLOB_RECURSE headers RELATIVE ${CMAKE_SOURCE_DIR}/src CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/tafoni/*.h)
+list(FILTER headers EXCLUDE REGEX "/test/|/impl/[^/]*[^l]\\.h$|/impl/[^/]*-inl\\.h$|[^.]-inl\\.h$")
+foreach(header IN LISTS headers)
+  get_filename_component(dir ${header} DIRECTORY)
+  install(FILES ${CMAKE_SOURCE_DIR}/src/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${dir})
+endforeach()
+
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/tafoniConfig.cmake.in
+                              ${CMAKE_BINARY_DIR}/tafoniConfig.cmake INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/tafoniConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/tafoniConfig.cmake ${CMAKE_BINARY_DIR}/tafoniConfigVersion.cmake
+        DESTINATION ${package_dir})
+install(FILES ${CMAKE_SOURCE_DIR}/LICENSE ${CMAKE_SOURCE_DIR}/THIRD_PARTY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})

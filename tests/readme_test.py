@@ -1,0 +1,28 @@
+"""What the README shows is what the project has: its C++ is examples/readme.cpp, its files and pages exist."""
+
+import os
+import re
+import sys
+from pathlib import Path
+
+root = Path(os.environ["TAFONI_SOURCE_DIR"])
+problems = []
+
+readme = (root / "README.md").read_text(encoding="utf-8")
+blocks = re.findall(r"```cpp\n(.*?)```", readme, re.S)
+if not blocks or blocks[0] != (root / "examples/readme.cpp").read_text(encoding="utf-8"):
+    problems.append("README.md: its first C++ block is not examples/readme.cpp, letter for letter")
+
+for page in [root / "README.md", root / "CONTRIBUTING.md", root / "THIRD_PARTY.md", *sorted((root / "docs").glob("*.md"))]:
+    text = page.read_text(encoding="utf-8")
+    for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", text):
+        if "://" not in target and not (page.parent / target).exists():
+            problems.append(f"{page.relative_to(root)}: links to {target}, which does not exist")
+    # `path/file.ext` in the running text names a file of the tree; what a program writes is not one.
+    for target in re.findall(r"`((?:src|tools|cmake|tests|bench|examples|apps|docs)/[\w./-]*\w)`", text):
+        if not (root / target).exists():
+            problems.append(f"{page.relative_to(root)}: names {target}, which does not exist")
+
+for line in problems:
+    print(line, file=sys.stderr)
+sys.exit(1 if problems else 0)
