@@ -1,0 +1,90 @@
+#include "tafoni/io/vector.h"
+
+#include <cmath>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include "tafoni/core/error.h"
+
+namespace tafoni::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ReadPolygons : public testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path written(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  static std::string feature(const std::string& type, const std::string& coordinates,
+                             const std::string& crs = "") {
+    const std::string member =
+        crs.empty() ? "" : R"("crs":{"type":"name","properties":{"name":")" + crs + R"("}},)";
+    return R"({"type":"FeatureCollection",)" + member +
+           R"("features":[{"type":"Feature","properties":{},"geometry":{"type":")" + type +
+           R"(","coordinates":)" + coordinates + "}}]}";
+  }
+  static std::string error(const fs::path& path, const std::string& crs) {
+    try {
+      read_polygons(path, crs);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::input);
+      return e.what();
+    }
+    ADD_FAILURE() << "nothing was thrown";
+    return "";
+  }
+  fs::path folder_ = fs::temp_directory_path() / ("tafoni_vector_" + std::to_string(::getpid()));
+};
+
+TEST_F(ReadPolygons, KeepsRingsAndHoles) {
+  const auto path =
+      written("a.geojson", feature("Polygon", "[[[0,0],[9,0],[9,9],[0,9],[0,0]],[[2,2],[4,2],[4,4],[2,2]]]"));
+  const auto rings = read_polygons(path, "");
+  ASSERT_EQ(rings.size(), 2u);
+  EXPECT_EQ(rings[0].size(), 4u);
+  EXPECT_EQ(rings[1].size(), 3u);
+  EXPECT_EQ(rings[1][1], (Vec2d{4, 2}));
+}
+
+TEST_F(ReadPolygons, BringsDegreesToTheScene) {
+  // The central meridian of UTM zone 30 has easting 500 km; 53 N lies 5872 km from the equator.
+  const auto path = written(
+      "b.geojson",
+      feature("MultiPolygon",
+              "[[[[-3,53],[-2.99,53],[-3,53.01],[-3,53]]],[[[-3.1,53],[-3.1,53.1],[-3.2,53],[-3.1,53]]]]"));
+  const auto rings = read_polygons(path, "EPSG:32630");
+  ASSERT_EQ(rings.size(), 2u);
+  EXPECT_NEAR(rings[0][0].x, 500'000, 1e-3);
+  EXPECT_NEAR(rings[0][0].y, 5'872'000, 1500);
+  EXPECT_NEAR(std::hypot(rings[0][1].x - rings[0][0].x, rings[0][1].y - rings[0][0].y), 671, 2);
+}
+
+TEST_F(ReadPolygons, TakesMetresForMetres) {
+  const std::string square = "[[[411000,383000],[412000,383000],[412000,384000],[411000,383000]]]";
+  for (const std::string crs : {"", "urn:ogc:def:crs:EPSG::27700"}) {
+    const auto rings = read_polygons(written("c.geojson", feature("Polygon", square, crs)), "EPSG:27700");
+    ASSERT_EQ(rings.size(), 1u);
+    EXPECT_NEAR(rings[0][1].x, 412000, 1e-6);
+    EXPECT_NEAR(rings[0][1].y, 383000, 1e-6);
+  }
+}
+
+TEST_F(ReadPolygons, RefusesInOneSentence) {
+  EXPECT_THAT(error(folder_ / "none.geojson", ""), testing::HasSubstr("no such file"));
+  EXPECT_THAT(error(written("d.geojson", ""), ""), testing::HasSubstr("is empty"));
+  EXPECT_THAT(error(written("e.geojson", "{\"type\":\"Feat"), ""), testing::HasSubstr("e.geojson"));
+  EXPECT_THAT(error(written("f.geojson", feature("Point", "[1,2]")), ""), testing::HasSubstr("no polygons"));
+  EXPECT_THAT(error(written("g.geojson", feature("Polygon", "[[[0,0],[1,0],[0,0]]]")), ""),
+              testing::HasSubstr("no polygons"));
+  EXPECT_THAT(error(written("h.geojson", feature("Polygon", "[[[0,0],[9,0],[9,9],[0,0]]]")), "nonsense"),
+              testing::HasSubstr("not understood"));
+}
+
+}  // namespace
+}  // namespace tafoni::io
