@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -69,7 +70,8 @@ class Lines {
     double value = 0;
     const auto [end, code] = std::from_chars(field.data(), field.data() + field.size(), value);
     if (end != field.data() + field.size()) return {};
-    if (code == std::errc::result_out_of_range) return std::abs(value) < 1 ? 0.0 : HUGE_VAL;
+    // Too large or too small: strtod tells which.
+    if (code == std::errc::result_out_of_range) return std::strtod(std::string(field).c_str(), nullptr);
     if (code != std::errc()) return {};
     return value;
   }

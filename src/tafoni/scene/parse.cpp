@@ -12,10 +12,10 @@ namespace tafoni::scene {
 namespace {
 
 /// What of a user's word goes into a message: short and on one line.
-std::string shown(std::string_view word) {
+std::string shown(std::string_view word, std::size_t most = 60) {
   std::string out;
-  for (char c : word.substr(0, 60)) out += c >= 0 && c < ' ' ? '?' : c;
-  return word.size() > 60 ? out + "…" : out;
+  for (char c : word.substr(0, most)) out += c >= 0 && c < ' ' ? '?' : c;
+  return word.size() > most ? out + "…" : out;
 }
 
 std::string place(const std::filesystem::path& file, const toml::source_region& source) {
@@ -140,7 +140,7 @@ class Reader {
     try {
       return f();
     } catch (const Error& error) {
-      throw Error(ErrorKind::input, error.what());
+      throw Error(ErrorKind::input, shown(error.what(), 500));
     }
   }
   template <class F>
@@ -149,7 +149,8 @@ class Reader {
       return f();
     } catch (const Error& error) {
       const toml::node* type = table.get("type");
-      fail(ErrorKind::input, "{}: {}", place(file_, type ? type->source() : table.source()), error.what());
+      fail(ErrorKind::input, "{}: {}", place(file_, type ? type->source() : table.source()),
+           shown(error.what(), 500));
     }
   }
 
@@ -166,7 +167,7 @@ void read_terrain(const Reader& reader, const toml::table& table, TerrainSetting
       try {
         own = &impl::params_of_generator(name->get());
       } catch (const Error& error) {
-        fail(ErrorKind::input, "{}: {}", place(file, generator->source()), error.what());
+        fail(ErrorKind::input, "{}: {}", place(file, generator->source()), shown(error.what(), 500));
       }
     }
   }

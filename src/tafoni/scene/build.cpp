@@ -1,0 +1,240 @@
+#include "tafoni/scene/build.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/random.h"
+#include "tafoni/geology/kind.h"
+#include "tafoni/io/dem.h"
+#include "tafoni/io/vector.h"
+#include "tafoni/landforms/landform.h"
+#include "tafoni/raster/resample.h"
+#include "tafoni/scene/csv.h"
+#include "tafoni/terrain/generator.h"
+
+namespace tafoni::scene {
+namespace {
+
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+field::TerrainSettings field_settings(const TerrainSettings& t) {
+  return {t.influence, t.amplitude, t.interpolation == "bicubic", t.distance == "first-order"};
+}
+
+raster::Raster read_terrain(const Document& document, Progress& progress) {
+  const TerrainSettings& t = document.terrain;
+  if (!t.generator.empty()) {
+    raster::Raster made = terrain::find_generator(t.generator)
+                              .generate(t.values, static_cast<std::uint64_t>(document.scene.seed), progress);
+    return t.resolution > 0 ? raster::at_resolution(made, t.resolution, progress) : made;
+  }
+  io::DemOptions options;
+  if (!t.window.empty()) {
+    std::array<int, 4> window{};
+    std::transform(t.window.begin(), t.window.end(), window.begin(),
+                   [](double v) { return static_cast<int>(v); });
+    options.window = window;
+  }
+  options.resolution = t.resolution;
+  options.band = static_cast<int>(t.band);
+  options.fill_distance = t.fill;
+  options.smooth = t.smooth;
+  options.pixel_size = t.pixel_size;
+  options.height_scale = t.height_scale;
+  return io::read_dem(document.resolved(t.source), options, progress).raster;
+}
+
+geology::GeologyPtr make_geology(const Document& document, Vec3d origin) {
+  const auto seed = static_cast<std::uint64_t>(document.scene.seed);
+  if (document.geology.empty()) return geology::default_geology(origin, seed);
+  std::vector<geology::GeologyPtr> parts;
+  for (const GeologySettings& g : document.geology)
+    parts.push_back(geology::make_geology(g.type, g.values, {}, origin, hash_combine(seed, parts.size())));
+  if (parts.size() == 1) return parts.front();
+  return geology::make_geology("blend", {}, std::move(parts), origin, seed);
+}
+
+std::vector<landforms::Ring> to_local(std::vector<landforms::Ring> rings, Vec3d origin) {
+  for (auto& ring : rings)
+    for (Vec2d& p : ring) p = p - Vec2d{origin.x, origin.y};
+  return rings;
+}
+
+/// Where a layer may act; empty when it is not limited.
+std::optional<landforms::Region> region_of(const Layer& layer, const BuiltScene& scene) {
+  const LayerSettings& s = layer.settings;
+  const Vec3d o = scene.terrain.origin;
+  if (s.altitude.empty() && s.box.empty() && s.region.empty() && s.mask.empty()) return {};
+  landforms::Region region;
+  if (!s.altitude.empty()) region.limit_altitude(s.altitude[0] - o.z, s.altitude[1] - o.z);
+  if (!s.box.empty())
+    region.limit_box({Vec3d{s.box[0], s.box[1], s.box[2]} - o, Vec3d{s.box[3], s.box[4], s.box[5]} - o});
+  if (!s.region.empty())
+    region.limit_polygon(to_local(io::read_polygons(scene.document.resolved(s.region), scene.crs), o));
+  if (!s.mask.empty()) {
+    io::DemOptions options;
+    options.fill_distance = 0;
+    auto mask =
+        std::make_shared<raster::Raster>(io::read_dem(scene.document.resolved(s.mask), options).raster);
+    mask->placement.west -= o.x;
+    mask->placement.north -= o.y;
+    region.limit_mask(std::move(mask));
+  }
+  return region;
+}
+
+/// Explicit primitives of a CSV, as one cloud a kind.
+std::vector<field::NodePtr> read_primitives(const Layer& layer, const BuiltScene& scene,
+                                            const landforms::Region* region) {
+  const auto file = scene.document.resolved(std::get<std::string>(layer.values.at("file")));
+  const std::string name = file.string();
+  const auto primitives = parse_primitives_csv(read_text(file), name);
+  std::vector<field::NodePtr> nodes;
+  for (const bool sphere : {false, true}) {
+    field::CloudSettings settings;
+    settings.kind = sphere ? "sphere" : "point";
+    settings.falloff = scene.settings.influence;
+    field::CloudBuilder cloud(settings);
+    for (const Primitive& p : primitives) {
+      const Vec3d local = p.position - scene.terrain.origin;
+      if (p.sphere != sphere || (region && !region->contains(local))) continue;
+      const float shape[] = {p.radius};
+      try {
+        cloud.add(local, p.energy, shape);
+      } catch (const Error& error) {
+        fail(ErrorKind::input, "{}:{}: {}", name, p.line, error.what());
+      }
+    }
+    if (cloud.size() > 0) nodes.push_back(cloud.finish());
+  }
+  return nodes;
+}
+
+LayerResult run_layer(const Layer& layer, std::size_t index, const BuiltScene& scene, Progress& progress) {
+  const Stopwatch watch;
+  LayerResult result;
+  result.type = layer.type;
+  result.name = layer.settings.name.empty() ? layer.type : layer.settings.name;
+  const auto region = region_of(layer, scene);
+  const Vec3d o = scene.terrain.origin;
+  if (layer.type == primitives_layer) {
+    result.nodes = read_primitives(layer, scene, region ? &*region : nullptr);
+  } else {
+    landforms::Site site;
+    site.origin = o;
+    site.heights = scene.terrain.heights;
+    site.valid = scene.terrain.valid.get();
+    site.influence = scene.settings.influence;
+    site.amplitude = scene.settings.amplitude;
+    // Without the domain, whose walls are no cliffs.
+    site.terrain = scene.open;
+    site.geology = scene.geology.get();
+    site.region = region ? &*region : nullptr;
+    if (!layer.settings.points.empty()) {
+      const auto file = scene.document.resolved(layer.settings.points);
+      for (Vec3d p : parse_points_csv(read_text(file), file.string())) site.points.push_back(p - o);
+    }
+    site.seed = layer.settings.seed >= 0
+                    ? static_cast<std::uint64_t>(layer.settings.seed)
+                    : hash_combine(static_cast<std::uint64_t>(scene.document.scene.seed), index + 1);
+    landforms::Result made = landforms::find_landform(layer.type).generate(site, layer.values, progress);
+    result.nodes = std::move(made.nodes);
+    result.report = std::move(made.report);
+  }
+  result.seconds = watch.seconds();
+  return result;
+}
+
+field::NodePtr blended(const field::NodePtr& tree, const std::vector<field::NodePtr>& nodes) {
+  if (nodes.empty()) return tree;
+  std::vector<field::NodePtr> children = {tree};
+  children.insert(children.end(), nodes.begin(), nodes.end());
+  return field::combine("blend", std::move(children));
+}
+
+void run_layers(BuiltScene& scene, Progress& progress) {
+  for (std::size_t i = 0; i < scene.document.layers.size(); ++i) {
+    const Layer& layer = scene.document.layers[i];
+    if (!layer.settings.enabled) continue;
+    try {
+      scene.layers.push_back(run_layer(layer, i, scene, progress));
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::cancelled) throw;
+      const std::string& name = layer.settings.name.empty() ? layer.type : layer.settings.name;
+      fail(error.kind(), "layer {}: {}", name, error.what());
+    }
+    scene.open = blended(scene.open, scene.layers.back().nodes);
+    scene.solid = blended(scene.solid, scene.layers.back().nodes);
+    scene.seconds.emplace_back(scene.layers.back().name, scene.layers.back().seconds);
+  }
+}
+
+}  // namespace
+
+double default_voxel(const raster::Raster& raster) {
+  const double pixel = std::min(raster.placement.dx, raster.placement.dy);
+  const double extent = std::max(raster.placement.dx * raster.width(), raster.placement.dy * raster.height());
+  const double wanted = std::max(pixel / 2, extent / 1000);
+  const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
+  for (double digit : {1.0, 2.0, 2.5, 5.0})
+    if (decade * digit >= wanted * 0.999) return decade * digit;
+  return decade * 10;
+}
+
+std::optional<double> sea_level(const Document& document) {
+  for (const Layer& layer : document.layers) {
+    if (!layer.settings.enabled) continue;
+    for (const ParamInfo& info : params_of_layer(layer.type)) {
+      if (info.name != "sea_level" || info.kind != ValueKind::real) continue;
+      const auto found = layer.values.find(info.name);
+      return std::get<double>(found == layer.values.end() ? info.init : found->second);
+    }
+  }
+  return {};
+}
+
+BuiltScene build(const Document& document, Progress& progress) {
+  check(document, "the scene");
+  BuiltScene scene;
+  scene.document = document;
+  scene.settings = field_settings(document.terrain);
+
+  Stopwatch watch;
+  const raster::Raster raster = read_terrain(document, progress);
+  scene.seconds.emplace_back("read terrain", watch.seconds());
+  scene.crs = raster.crs;
+  scene.voxel = document.scene.voxel > 0 ? document.scene.voxel : default_voxel(raster);
+
+  watch = {};
+  terrain::TerrainOptions options;
+  options.settings = scene.settings;
+  options.depth = document.terrain.depth;
+  if (!document.terrain.domain.empty())
+    options.polygons = io::read_polygons(document.resolved(document.terrain.domain), scene.crs);
+  scene.terrain = terrain::make_terrain(raster, scene.voxel, options, progress);
+  scene.open = field::heightfield(scene.terrain.heights, scene.settings);
+  scene.solid = terrain::terrain_tree(scene.terrain, scene.settings);
+  scene.geology = make_geology(document, scene.terrain.origin);
+  scene.seconds.emplace_back("terrain", watch.seconds());
+
+  run_layers(scene, progress);
+  return scene;
+}
+
+std::string_view version() {
+  return TAFONI_VERSION;
+}
+
+}  // namespace tafoni::scene

@@ -1,0 +1,64 @@
+#pragma once
+// From a document to a field: elevation model, terrain, geology, layers in order.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tafoni/core/progress.h"
+#include "tafoni/field/compiled.h"
+#include "tafoni/field/tree.h"
+#include "tafoni/geology/geology.h"
+#include "tafoni/mesh/polygonize.h"
+#include "tafoni/scene/document.h"
+#include "tafoni/terrain/terrain.h"
+
+namespace tafoni::scene {
+
+/// What became of one layer.
+struct LayerResult {
+  std::string name;  ///< its own or its type's
+  std::string type;
+  std::vector<field::NodePtr> nodes;                  ///< blended onto the tree, in this order
+  std::vector<std::pair<std::string, Value>> report;  ///< facts the landform tells
+  double seconds = 0;
+};
+
+/// All that a document describes, before it is meshed. Immutable once built.
+struct BuiltScene {
+  Document document;
+  double voxel = 0;  ///< metres; chosen where the document leaves it open
+  std::string crs;   ///< WKT; empty when unknown
+  terrain::Terrain terrain;
+  field::TerrainSettings settings;
+  geology::GeologyPtr geology;
+  std::vector<LayerResult> layers;                      ///< those enabled
+  field::NodePtr solid;                                 ///< min(f_T, f_P) + layers
+  field::NodePtr open;                                  ///< f_T + layers
+  std::vector<std::pair<std::string, double>> seconds;  ///< by stage
+
+  const field::NodePtr& tree(mesh::Boundary boundary) const {
+    return boundary == mesh::Boundary::solid ? solid : open;
+  }
+  field::CompiledField field_for(mesh::Boundary boundary) const { return field::compile(tree(boundary)); }
+  mesh::Boundary boundary() const {
+    return document.scene.boundary == "open" ? mesh::Boundary::open : mesh::Boundary::solid;
+  }
+};
+
+/// Throws Error as the modules below do; a layer's error names the layer.
+BuiltScene build(const Document& document, Progress& progress = silent());
+
+/// A round voxel size for a raster: half a pixel where the whole stays within about 1,000 cells a side,
+/// coarser where not.
+double default_voxel(const raster::Raster& raster);
+
+/// The scene's sea level as a world elevation: what the first enabled layer that knows one says.
+std::optional<double> sea_level(const Document& document);
+
+/// The program's version, "0.1.0".
+std::string_view version();
+
+}  // namespace tafoni::scene

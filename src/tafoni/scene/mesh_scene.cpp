@@ -1,0 +1,139 @@
+#include "tafoni/scene/mesh_scene.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "tafoni/core/parallel.h"
+#include "tafoni/mesh/palette.h"
+#include "tafoni/raster/resample.h"
+
+namespace tafoni::scene {
+namespace {
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+mesh::PolygonizeSettings settings_for(const BuiltScene& scene, const field::CompiledField& field,
+                                      double voxel) {
+  mesh::PolygonizeSettings settings;
+  settings.voxel = voxel;
+  settings.boundary = scene.boundary();
+  settings.min_fragment_volume = scene.document.scene.min_fragment;
+  if (settings.boundary == mesh::Boundary::solid) return settings;
+  settings.region = scene.terrain.box;
+  const Box3d bounds = field.bounds();
+  settings.region.lo.z = std::min(settings.region.lo.z, bounds.lo.z);
+  settings.region.hi.z = std::max(settings.region.hi.z, bounds.hi.z);
+  if (const auto& inside = scene.terrain.inside)
+    settings.inside = [inside](double x, double y) { return raster::sample_bilinear(*inside, x, y) > 0; };
+  return settings;
+}
+
+void finish(const BuiltScene& scene, mesh::Mesh& mesh, MeshResult& result, Progress& progress) {
+  mesh.origin = scene.terrain.origin;
+  double start = now();
+  colour(scene, mesh, progress);
+  result.colour_seconds += now() - start;
+  if (scene.document.scene.simplify <= 0 || mesh.triangles.empty()) return;
+  start = now();
+  mesh::SimplifySettings settings;
+  settings.error = scene.document.scene.simplify;
+  mesh::SimplifyStats stats;
+  mesh = mesh::simplify(mesh, settings, progress, &stats);
+  result.simplified.triangles_before += stats.triangles_before;
+  result.simplified.triangles_after += stats.triangles_after;
+  result.simplified.patches += stats.patches;
+  result.simplified.patches_rejected += stats.patches_rejected;
+  result.simplify_seconds += now() - start;
+}
+
+}  // namespace
+
+void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress) {
+  const auto sea = sea_level(scene.document);
+  const Vec3d origin = scene.terrain.origin;
+  const raster::Raster& heights = *scene.terrain.heights;
+  mesh.colors.resize(mesh.positions.size());
+  constexpr std::int64_t grain = 4096;
+  const auto count = static_cast<std::int64_t>(mesh.positions.size());
+  progress.begin("colours", static_cast<std::uint64_t>((count + grain - 1) / grain));
+  parallel_for((count + grain - 1) / grain,
+               [&](std::int64_t block) {
+                 const auto begin = static_cast<std::size_t>(block * grain);
+                 const auto end = static_cast<std::size_t>(std::min(count, (block + 1) * grain));
+                 for (std::size_t i = begin; i < end; ++i) {
+                   const Vec3d local = to_double(mesh.positions[i]);
+                   mesh::SurfacePoint point;
+                   point.position = local + origin;
+                   if (!mesh.normals.empty()) point.normal = mesh.normals[i];
+                   point.resistance = static_cast<float>(scene.geology->resistance(local));
+                   if (sea) point.height_above_sea = static_cast<float>(point.position.z - *sea);
+                   // Half a voxel is as far as the mesh may lie below the field's own surface.
+                   const double cover = raster::sample_bilinear(heights, local.x, local.y) - local.z;
+                   point.roofed = point.normal.z < 0 || cover > std::max(1.0, scene.voxel);
+                   mesh.colors[i] = mesh::to_rgba8(mesh::rock_palette(point));
+                 }
+               },
+               progress);
+  progress.end();
+}
+
+MeshResult mesh_scene(const BuiltScene& scene, Progress& progress) {
+  MeshResult result;
+  double start = now();
+  const field::CompiledField field = scene.field_for(scene.boundary());
+  result.compile_seconds = now() - start;
+  start = now();
+  result.mesh = mesh::polygonize(field, settings_for(scene, field, scene.voxel), progress, &result.stats);
+  result.polygonize_seconds = now() - start;
+  finish(scene, result.mesh, result, progress);
+  return result;
+}
+
+MeshResult mesh_scene_tiles(const BuiltScene& scene, int tiles, const mesh::TileSink& sink,
+                            Progress& progress) {
+  MeshResult result;
+  double start = now();
+  const field::CompiledField field = scene.field_for(scene.boundary());
+  result.compile_seconds = now() - start;
+  auto settings = settings_for(scene, field, scene.voxel);
+  settings.tiles_x = settings.tiles_y = tiles;
+  start = now();
+  mesh::polygonize_tiles(
+      field, settings,
+      [&](mesh::TileIndex index, mesh::Mesh&& tile) {
+        const double inner = now();
+        finish(scene, tile, result, progress);
+        sink(index, std::move(tile));
+        start += now() - inner;
+      },
+      progress, &result.stats);
+  result.polygonize_seconds = now() - start;
+  return result;
+}
+
+Prediction predict(const BuiltScene& scene, Progress& progress) {
+  Prediction p;
+  p.voxel = scene.voxel;
+  const field::CompiledField field = scene.field_for(scene.boundary());
+  const Vec3d size = scene.terrain.box.size();
+  p.coarse_voxel = std::max(2 * scene.voxel, std::max(size.x, size.y) / 256);
+  auto settings = settings_for(scene, field, p.coarse_voxel);
+  settings.normals = false;
+  settings.min_fragment_volume = 0;
+  const mesh::Mesh coarse = mesh::polygonize(field, settings, progress);
+  // A surface is cut by as many cells as its area holds cell faces.
+  const double finer = p.coarse_voxel / scene.voxel;
+  p.triangles = static_cast<std::uint64_t>(static_cast<double>(coarse.triangles.size()) * finer * finer);
+  p.vertices = p.triangles / 2;
+  constexpr std::uint64_t vertex_bytes = 12 + 12 + 4, triangle_bytes = 12;
+  p.file_bytes = p.vertices * vertex_bytes + p.triangles * triangle_bytes;
+  // The mesh is held once as chunks and once gathered; the height raster and the primitives stay beside it.
+  p.memory = 2 * p.file_bytes + scene.terrain.heights->values.size() * 3 * sizeof(float) +
+             field::stats(scene.tree(scene.boundary())).bytes;
+  return p;
+}
+
+}  // namespace tafoni::scene
