@@ -9,10 +9,11 @@ namespace tafoni::mesh {
 namespace {
 
 // Linear reflectances, chosen by eye from photographs of limestone and sandstone coasts.
-constexpr Vec3f soft_rock{0.40f, 0.27f, 0.155f}, middle_rock{0.36f, 0.29f, 0.215f},
-    hard_rock{0.29f, 0.275f, 0.25f};
-constexpr Vec3f meadow{0.105f, 0.135f, 0.040f}, dry_grass{0.235f, 0.200f, 0.085f}, soil{0.20f, 0.135f, 0.08f};
-constexpr Vec3f sand{0.50f, 0.41f, 0.285f}, weed{0.045f, 0.05f, 0.03f}, clay{0.27f, 0.19f, 0.12f};
+constexpr Vec3f soft_rock{0.36f, 0.235f, 0.125f}, middle_rock{0.305f, 0.235f, 0.165f},
+    hard_rock{0.25f, 0.225f, 0.195f};
+constexpr Vec3f meadow{0.062f, 0.082f, 0.026f}, dry_grass{0.155f, 0.130f, 0.055f},
+    soil{0.155f, 0.105f, 0.062f};
+constexpr Vec3f sand{0.37f, 0.295f, 0.20f}, weed{0.045f, 0.05f, 0.03f}, clay{0.23f, 0.16f, 0.10f};
 constexpr std::uint64_t texture_seed = 0x7af0;
 
 Vec3f mix(Vec3f a, Vec3f b, float t) {

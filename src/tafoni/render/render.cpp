@@ -79,6 +79,7 @@ Light light_of(const impl::World& world, const View& view, const RenderSettings&
                 std::cos(azimuth) * std::cos(settings.sun_elevation), std::sin(settings.sun_elevation)});
   light.sun_radius = static_cast<float>(settings.sun_radius);
   light.sea = sea;
+  if (sea) light.sea_floor = world.floor_below(*sea);
   const float distance = typical_distance(world, view);
   if (settings.inside) {
     const float reach = std::max(distance, world.spacing());

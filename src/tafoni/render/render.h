@@ -22,7 +22,7 @@ struct RenderSettings {
   int width = 1280, height = 720;
   int samples = 8;                    ///< rays through each pixel; each also asks for sun and sky
   std::optional<double> sun_azimuth;  ///< radians clockwise from north; default: from the camera's left
-  double sun_elevation = 0.70;        ///< radians above the horizon
+  double sun_elevation = 0.60;        ///< radians above the horizon
   double sun_radius = 0.015;          ///< radians, the softness of shadows (the real sun: 0.0047)
   bool inside = false;                ///< adds a lamp at the eye and wide eyes: for cave interiors
   std::optional<double> sea_level;    ///< world elevation; draws a translucent water surface

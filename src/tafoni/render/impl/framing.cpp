@@ -36,7 +36,7 @@ double interest(const World& world, const Camera& camera, double aspect, std::op
       const Hit hit = world.tracer().closest(view.eye, d);
       if (!hit) continue;
       const Vec3f p = view.eye + d * hit.t;
-      const bool wall = world.is_border(hit.triangle);
+      const bool wall = world.is_border(p, hit.face);
       if (sea && p.z < *sea) {
         score += wall ? 0 : 0.05;
         continue;

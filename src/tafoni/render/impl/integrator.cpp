@@ -5,16 +5,19 @@
 namespace tafoni::render::impl {
 namespace {
 
-/// The slope of small waves, made of noise whose wavelength follows the pixel's footprint so that it never
-/// aliases.
-Vec3f wave_normal(Vec3f p, float footprint) {
-  const double wavelength = 14 * footprint;
-  const double x = p.x / wavelength, y = p.y / wavelength, step = 0.15;
-  const auto height = [](double u, double v) { return simplex({u, v * 1.7, 0.5}, 99); };
-  const float here = height(x, y);
-  constexpr float steepness = 0.035f;
-  return normalized(Vec3f{(here - height(x + step, y)) * steepness / 0.15f,
-                          (here - height(x, y + step)) * steepness / 0.15f, 1});
+/// The slope of small waves: noise of the two wavelengths, powers of two, that are nearest to `wavelength`.
+Vec3f wave_normal(Vec3f p, float wavelength) {
+  const float level = std::log2(wavelength), whole = std::floor(level), part = level - whole;
+  constexpr float step = 0.15f, steepness = 0.03f;
+  Vec3f slope;
+  for (const float k : {0.0f, 1.0f}) {
+    const double scale = std::exp2(-(whole + k));
+    const double x = p.x * scale, y = p.y * scale;
+    const auto height = [](double u, double v) { return simplex({u, v * 1.6, 0.5}, 99); };
+    const float here = height(x, y), share = k > 0 ? part : 1 - part;
+    slope += Vec3f{here - height(x + step, y), here - height(x, y + step), 0} * (share * steepness / step);
+  }
+  return normalized(Vec3f{slope.x, slope.y, 1});
 }
 
 }  // namespace
@@ -88,11 +91,36 @@ Sample Integrator::solid(Vec3f from, Vec3f direction, const Hit& hit, const Samp
   return {times(s.albedo, light.direct + light.indirect), light.indirect, s.albedo, s.normal, hit.t};
 }
 
+Sample Integrator::floor_beyond(Vec3f from, Vec3f direction, const Sampler& sampler) const {
+  const Box3f& box = world_.box();
+  const auto outside = [&](Vec3f p) {
+    const float dx = std::max({box.lo.x - p.x, p.x - box.hi.x, 0.0f});
+    const float dy = std::max({box.lo.y - p.y, p.y - box.hi.y, 0.0f});
+    return std::sqrt(dx * dx + dy * dy);
+  };
+  const float drop = from.z - *light_.sea_floor;
+  Sample sample;
+  sample.t = drop / std::max(-direction.z, 0.05f);
+  Surface s;
+  s.position = from + direction * sample.t;
+  // The floor falls away from the data, so that its edge is lost in the deep.
+  sample.t *= 1 + 8 * outside(s.position) / (length(box.size()) * 0.25f);
+  s.normal = s.face = {0, 0, 1};
+  s.albedo = light_.floor_albedo;
+  sample.sky_light = light_.sky({0, 0, 1}) * 0.8f;
+  sample.sky_weight = s.albedo;
+  sample.normal = s.normal;
+  sample.color =
+      times(s.albedo, sun_on(s, sampler.get(Stream::sun)) + under_sea(sample.sky_light, s.position));
+  return sample;
+}
+
 Sample Integrator::water(Vec3f from, Vec3f direction, float t_sea, const Hit& hit, float footprint,
                          const Sampler& sampler) const {
   const Vec3f p = from + direction * t_sea;
   const float slant = std::max(-direction.z, 0.02f);
-  const Vec3f n = wave_normal(p, footprint * t_sea / std::sqrt(slant));
+  // Waves a dozen pixels long look like water at any scale and never alias.
+  const Vec3f n = wave_normal(p, 12 * footprint * t_sea / std::sqrt(slant));
   const float facing = std::clamp(-dot(n, direction), 0.02f, 1.0f);
   const float mirror = 0.02f + 0.98f * std::pow(1 - facing, 5.0f);
   Vec3f r = direction + n * (2 * facing);
@@ -110,9 +138,13 @@ Sample Integrator::water(Vec3f from, Vec3f direction, float t_sea, const Hit& hi
   // The ray goes on straight, not refracted, so that what stands in the water keeps its shape.
   Sample below{};
   Vec3f clear{};
-  if (hit) {
+  if (hit && !(light_.sea_floor && world_.is_border(from + direction * hit.t, hit.face))) {
     below = solid(from, direction, hit, sampler);
     clear = Light::through_water(hit.t - t_sea);
+  } else if (light_.sea_floor) {
+    below = floor_beyond(p, direction, sampler);
+    clear = Light::through_water(below.t);
+    below.t = t_sea + below.t;
   }
   const float shine = light_.lamp ? 0.05f : 0.35f + 0.65f * std::max(0.0f, light_.to_sun.z);
   const Vec3f scattered = Light::water * (2.2f * shine);
@@ -120,7 +152,7 @@ Sample Integrator::water(Vec3f from, Vec3f direction, float t_sea, const Hit& hi
   Sample result = below;
   result.color = reflection * mirror + body * (1 - mirror);
   result.sky_weight = times(below.sky_weight, clear) * (1 - mirror);
-  if (!hit) result.t = t_sea;
+  if (result.t == far_away) result.t = t_sea;
   return result;
 }
 

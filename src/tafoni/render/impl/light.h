@@ -33,8 +33,10 @@ struct Lamp {
 
 struct Light {
   Vec3f to_sun{0, 0, 1};
-  float sun_radius = 0;      ///< radians
-  std::optional<float> sea;  ///< local z of the water surface
+  float sun_radius = 0;            ///< radians
+  std::optional<float> sea;        ///< local z of the water surface
+  std::optional<float> sea_floor;  ///< local z of the floor around the data, where the data shows one
+  Vec3f floor_albedo{0.2f, 0.16f, 0.11f};
   std::optional<Lamp> lamp;
   float haze_per_metre = 0;
   float haze_begin = 0;  ///< metres from the eye that are clear

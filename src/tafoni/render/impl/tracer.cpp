@@ -33,7 +33,7 @@ RTCRayHit ray_of(Vec3f from, Vec3f direction, float limit) {
 
 Tracer::Tracer(const mesh::Mesh& mesh, Progress& progress) {
   progress.begin("indexing triangles for the picture", mesh.triangles.size(), "triangles");
-  device_ = rtcNewDevice(fmt::format("threads={}", thread_count()).c_str());
+  device_ = rtcNewDevice(nullptr);
   if (!device_) fail(ErrorKind::internal, "Embree cannot start on this machine.");
   RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
   // Embree reads 16 bytes at a vertex, so a buffer of its own, which it pads, is needed.
@@ -49,7 +49,8 @@ Tracer::Tracer(const mesh::Mesh& mesh, Progress& progress) {
   rtcAttachGeometry(scene_, geometry);
   rtcReleaseGeometry(geometry);
   rtcSetSceneProgressMonitorFunction(scene_, go_on, &progress);
-  rtcCommitScene(scene_);
+  // Joined from inside of our own loop, the build uses our threads and no others.
+  parallel_for(1, [&](std::int64_t) { rtcJoinCommitScene(scene_); });
   rtcSetSceneProgressMonitorFunction(scene_, nullptr, nullptr);
   const RTCError error = rtcGetDeviceError(device_);
   if (error != RTC_ERROR_NONE) {

@@ -82,6 +82,21 @@ Colors World::colors(std::optional<float> sea, Progress& progress) const {
   return colors;
 }
 
+std::optional<float> World::floor_below(float sea) const {
+  std::vector<float> heights;
+  const std::size_t step = mesh_.triangles.size() / 20000 + 1;
+  for (std::size_t t = 0; t < mesh_.triangles.size(); t += step) {
+    const auto triangle = static_cast<std::uint32_t>(t);
+    const Vec3f c = center(triangle);
+    if (c.z >= sea || face_normal(triangle).z < 0.6f) continue;
+    if (!tracer_.blocked(c + Vec3f{0, 0, offset_}, {0, 0, 1})) heights.push_back(c.z);
+  }
+  if (heights.size() < 100) return std::nullopt;
+  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+  std::nth_element(heights.begin(), middle, heights.end());
+  return *middle;
+}
+
 Surface World::surface(const Hit& hit, Vec3f from, Vec3f direction, const Colors& colors) const {
   const auto& t = mesh_.triangles[hit.triangle];
   const float w[3] = {1 - hit.u - hit.v, hit.u, hit.v};
@@ -119,12 +134,8 @@ Vec3f World::center(std::uint32_t triangle) const {
   return (mesh_.positions[t[0]] + mesh_.positions[t[1]] + mesh_.positions[t[2]]) * (1.0f / 3);
 }
 
-bool World::is_border(std::uint32_t triangle) const {
-  const Vec3f n = face_normal(triangle), c = center(triangle);
-  const float near = spacing_;
-  return (n.x < -0.99f && c.x < box_.lo.x + near) || (n.x > 0.99f && c.x > box_.hi.x - near) ||
-         (n.y < -0.99f && c.y < box_.lo.y + near) || (n.y > 0.99f && c.y > box_.hi.y - near) ||
-         (n.z < -0.99f && c.z < box_.lo.z + near);
+bool World::is_border(Vec3f position, Vec3f face) const {
+  return face.z < 0.3f && !tracer_.blocked(position + face * spacing_, {0, 0, -1});
 }
 
 }  // namespace tafoni::render::impl

@@ -32,10 +32,11 @@ class World {
 
   /// The mesh's own colours, or those that mesh/palette.h gives for slope and height above `sea` (local z).
   Colors colors(std::optional<float> sea, Progress& progress) const;
+  /// The usual height of ground below `sea` that is seen from above; nothing where there is too little.
+  std::optional<float> floor_below(float sea) const;
   Surface surface(const Hit& hit, Vec3f from, Vec3f direction, const Colors& colors) const;
-  /// A wall or the base that closes the mesh at the edge of the data: it faces out along an axis and lies on
-  /// the bounding box.
-  bool is_border(std::uint32_t triangle) const;
+  /// A wall or the base that closes the mesh at the edge of the data: below the air before it lies nothing.
+  bool is_border(Vec3f position, Vec3f face) const;
   Vec3f face_normal(std::uint32_t triangle) const;
   Vec3f center(std::uint32_t triangle) const;
 

@@ -1,0 +1,104 @@
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/random.h"
+#include "tafoni/render/render.h"
+#include "tafoni/render/test/shapes.h"
+
+namespace tafoni::render {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+struct Extent {
+  double x = 0, y = 0;  ///< greatest distance from the middle, 1 at the picture's edge
+  bool behind = false;
+};
+
+Extent project(const mesh::Mesh& mesh, const Camera& camera, const RenderSettings& settings) {
+  const Vec3d f = normalized(camera.target - camera.eye), r = normalized(cross(f, camera.up)),
+              u = cross(r, f);
+  const double tan_y = std::tan(camera.fov / 2), tan_x = tan_y * settings.width / settings.height;
+  Extent extent;
+  for (const Vec3f p : mesh.positions) {
+    const Vec3d d = to_double(p) + mesh.origin - camera.eye;
+    extent.behind |= dot(d, f) <= 0;
+    extent.x = std::max(extent.x, std::abs(dot(d, r)) / (tan_x * dot(d, f)));
+    extent.y = std::max(extent.y, std::abs(dot(d, u)) / (tan_y * dot(d, f)));
+  }
+  return extent;
+}
+
+TEST(Frame, HoldsTheWholeMeshAndFillsThePicture) {
+  Random random(4);
+  for (int round = 0; round < 30; ++round) {
+    mesh::Mesh mesh = terrain(24, random.uniform(0, 2 * pi));
+    const Vec3f stretch{static_cast<float>(random.uniform(0.2, 20)),
+                        static_cast<float>(random.uniform(0.2, 20)),
+                        static_cast<float>(random.uniform(0.1, 20))};
+    for (Vec3f& p : mesh.positions) p = {p.x * stretch.x, p.y * stretch.y, p.z * stretch.z};
+    RenderSettings settings;
+    settings.width = static_cast<int>(random.uniform(200, 2000));
+    settings.height = static_cast<int>(random.uniform(200, 2000));
+    if (round % 2) settings.elevation = random.uniform(-0.5, 1.4);
+    const Extent extent = project(mesh, Scene(mesh).frame(settings), settings);
+    EXPECT_FALSE(extent.behind);
+    EXPECT_LE(std::max(extent.x, extent.y), 1.0);
+    EXPECT_GE(std::max(extent.x, extent.y), 0.95) << "the mesh could be nearer";
+  }
+}
+
+TEST(Frame, LooksAtTheCliff) {
+  for (const double azimuth : {0.3, 1.9, 3.3, 5.0}) {
+    const mesh::Mesh mesh = terrain(60, azimuth);
+    const Camera camera = Scene(mesh).frame({});
+    const Vec3d to_eye = normalized(camera.eye - camera.target);
+    const double facing = to_eye.x * std::sin(azimuth) + to_eye.y * std::cos(azimuth);
+    EXPECT_GT(facing, 0.4) << azimuth;
+  }
+}
+
+TEST(Frame, KeepsTheGivenDirection) {
+  const mesh::Mesh mesh = terrain(20, 1);
+  RenderSettings settings;
+  settings.azimuth = 2.0;
+  settings.elevation = 0.3;
+  const Camera camera = Scene(mesh).frame(settings);
+  const Vec3d f = normalized(camera.target - camera.eye);
+  EXPECT_NEAR(std::atan2(f.x, f.y), 2.0, 1e-9);
+  EXPECT_NEAR(std::asin(-f.z), 0.3, 1e-9);
+}
+
+/// A block with a corridor in it, 40 m long, that opens to the east.
+mesh::Mesh block_with_corridor() {
+  mesh::Mesh mesh;
+  mesh.origin = {1000, 2000, 300};
+  add_flat_box(mesh, {-50, -50, -20}, {50, 50, 30}, {80, 80, 80, 255});
+  add_flat_box(mesh, {-20, -3, 0}, {30, 3, 6}, {80, 80, 80, 255}, true);
+  return mesh;
+}
+
+TEST(FrameInside, FindsTheCaveAndLooksAlongIt) {
+  const mesh::Mesh mesh = block_with_corridor();
+  const Camera camera = Scene(mesh).frame_inside({});
+  const Vec3d eye = camera.eye - mesh.origin, f = normalized(camera.target - camera.eye);
+  EXPECT_TRUE((Box3d{{-20, -3, 0}, {30, 3, 6}}).contains(eye)) << eye.x << ' ' << eye.y << ' ' << eye.z;
+  EXPECT_GT(std::abs(f.x), 0.9);
+}
+
+TEST(FrameInside, KeepsTheGivenEyeAndRefusesOpenGround) {
+  const mesh::Mesh mesh = block_with_corridor();
+  const Vec3d eye{985, 2001, 303};
+  EXPECT_NEAR(length(Scene(mesh).frame_inside({}, eye).eye - eye), 0, 1e-3);
+  EXPECT_THROW(Scene(terrain(30, 1)).frame_inside({}), Error);
+}
+
+TEST(Frame, RefusesAnEmptyMesh) {
+  EXPECT_THROW(Scene(mesh::Mesh{}), Error);
+}
+
+}  // namespace
+}  // namespace tafoni::render
