@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -14,6 +15,7 @@ namespace {
 std::mutex arena_mutex;
 int requested_threads = 0;
 std::shared_ptr<tbb::task_arena> arena;
+std::unique_ptr<tbb::global_control> limit;
 
 std::shared_ptr<tbb::task_arena> current_arena() {
   std::lock_guard lock(arena_mutex);
@@ -30,6 +32,11 @@ void set_thread_count(int threads) {
   std::lock_guard lock(arena_mutex);
   requested_threads = std::max(threads, 0);
   arena.reset();
+  limit.reset();
+  // Without it TBB has no more threads than cores, and says so on stderr.
+  if (requested_threads > 0)
+    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                  static_cast<std::size_t>(requested_threads));
 }
 
 int thread_count() {

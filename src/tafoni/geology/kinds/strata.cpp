@@ -68,51 +68,61 @@ class Stack {
       feet_.push_back(cycle_);
       cycle_ += t;
     }
+    for (std::int64_t i = 0; i < known_beds; ++i) known_.push_back(make(i - known_beds / 2));
   }
 
   double at(double d) const {
     const double turns = std::floor(d / cycle_);
     const double rest = d - turns * cycle_;
-    const auto bed = std::upper_bound(feet_.begin(), feet_.end(), rest) - feet_.begin() - 1;
-    auto i = static_cast<std::int64_t>(turns) * static_cast<std::int64_t>(feet_.size()) +
-             std::max<std::int64_t>(bed, 0);
-    if (d < boundary(i))
-      --i;
-    else if (d >= boundary(i + 1))
-      ++i;
-    const double above_foot = d - boundary(i), below_top = boundary(i + 1) - d;
-    if (above_foot < below_top) return mixed(i - 1, i, above_foot, softness(i));
-    return mixed(i, i + 1, -below_top, softness(i + 1));
+    std::int64_t i = static_cast<std::int64_t>(turns) * static_cast<std::int64_t>(feet_.size());
+    for (std::size_t k = 1; k < feet_.size() && rest >= feet_[k]; ++k) ++i;
+    Bed bed = get(i), above = get(i + 1);
+    if (d < bed.foot) {
+      above = bed;
+      bed = get(--i);
+    } else if (d >= above.foot) {
+      bed = above;
+      above = get(++i + 1);
+    }
+    if (d - bed.foot < above.foot - d) return mixed(get(i - 1), bed, d);
+    return mixed(bed, above, d);
   }
 
  private:
-  double thickness(std::int64_t i) const { return p_.thickness[wrapped(i, p_.thickness.size())]; }
-  double thinner(std::int64_t i) const { return std::min(thickness(i - 1), thickness(i)); }
+  struct Bed {
+    double foot;      ///< its lower boundary
+    double softness;  ///< half the width of the transition there
+    double rho;
+  };
+  static constexpr std::int64_t known_beds = 2048;  ///< kept ready about the first bed: hashing takes longer
 
-  /// Shifted by less than half of the thinner neighbour, so that boundaries keep their order.
-  double boundary(std::int64_t i) const {
+  Bed get(std::int64_t i) const {
+    const std::int64_t k = i + known_beds / 2;
+    return k >= 0 && k < known_beds ? known_[static_cast<std::size_t>(k)] : make(i);
+  }
+
+  Bed make(std::int64_t i) const {
     const std::int64_t k = wrapped(i, feet_.size());
-    const double nominal =
-        static_cast<double>((i - k) / static_cast<std::int64_t>(feet_.size())) * cycle_ + feet_[k];
-    return nominal + unit(boundary_, i) * 0.5 * p_.variation * thinner(i);
-  }
-
-  /// Half the width of the transition at a boundary; never reaches the transition of the next one.
-  double softness(std::int64_t i) const {
-    return std::min(0.5 * p_.transition, 0.5 * (1 - p_.variation) * thinner(i));
-  }
-
-  double bed(std::int64_t i) const {
+    const std::int64_t turns = (i - k) / static_cast<std::int64_t>(feet_.size());
+    const double thinner = std::min(thickness(i - 1), thickness(i));
     const double given = p_.hardness[wrapped(i, p_.hardness.size())];
-    return std::clamp(given + p_.hardness_variation * unit(hardness_, i), 0.0, 1.0);
+    // A boundary moves by less than half of the thinner neighbour and so does its transition reach, so that
+    // boundaries keep their order and transitions do not overlap.
+    return {
+        static_cast<double>(turns) * cycle_ + feet_[k] + unit(boundary_, i) * 0.5 * p_.variation * thinner,
+        std::min(0.5 * p_.transition, 0.5 * (1 - p_.variation) * thinner),
+        std::clamp(given + p_.hardness_variation * unit(hardness_, i), 0.0, 1.0)};
   }
 
-  double mixed(std::int64_t below, std::int64_t above, double d, double half) const {
-    if (d >= half) return bed(above);
-    if (d <= -half) return bed(below);
-    const double s = (d + half) / (2 * half);
+  double thickness(std::int64_t i) const { return p_.thickness[wrapped(i, p_.thickness.size())]; }
+
+  static double mixed(const Bed& below, const Bed& above, double d) {
+    const double from = d - above.foot, half = above.softness;
+    if (from >= half) return above.rho;
+    if (from <= -half) return below.rho;
+    const double s = (from + half) / (2 * half);
     const double w = s * s * (3 - 2 * s);
-    return bed(below) * (1 - w) + bed(above) * w;
+    return below.rho * (1 - w) + above.rho * w;
   }
 
   /// Uniform in [-1, 1).
@@ -122,8 +132,9 @@ class Stack {
 
   Params p_;
   Random hardness_, boundary_;
-  std::vector<double> feet_;
+  std::vector<double> feet_;  ///< of the beds of one cycle
   double cycle_ = 0;
+  std::vector<Bed> known_;
 };
 
 class Node final : public impl::BatchGeology {
