@@ -8,6 +8,7 @@
 #include "tafoni/core/parallel.h"
 #include "tafoni/field/impl/points.h"
 #include "tafoni/field/impl/program.h"
+#include "tafoni/math/simd.h"
 
 namespace tafoni::field {
 
@@ -15,6 +16,7 @@ using impl::Instruction;
 using impl::Program;
 
 CompiledField compile(const NodePtr& root) {
+  limit_simd();
   return CompiledField(std::make_shared<const Program>(impl::flatten(root)));
 }
 

@@ -6,6 +6,7 @@
 // foreach_target must come before what it compiles again.
 #include "tafoni/core/random.h"
 #include "tafoni/math/noise-inl.h"
+#include "tafoni/math/simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tafoni {
@@ -45,6 +46,7 @@ namespace tafoni {
 HWY_EXPORT(fbm_points);
 
 void fbm(std::span<const Vec3d> points, int octaves, std::uint64_t seed, std::span<float> out) {
+  limit_simd();
   HWY_DYNAMIC_DISPATCH(fbm_points)
   (points.data(), points.size(), octaves, static_cast<std::uint32_t>(mix64(seed)), out.data());
 }

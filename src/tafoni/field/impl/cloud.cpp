@@ -215,35 +215,41 @@ void Cloud::collect(const Box3f& box, Primitives& out) const {
   }
 }
 
-Interval Cloud::contribution(const Primitives& p, std::size_t i, const Box3f& box) const {
+Cloud::Distances Cloud::distances(const Primitives& p, std::size_t i, const Box3f& box) const {
+  if (type_->extras > 0) {
+    // The distance to any skeleton is 1-Lipschitz: bound it from the box's centre.
+    PointLanes center;
+    const Vec3f c = box.center();
+    const Fixed at[3] = {to_fixed(static_cast<double>(c.x)), to_fixed(static_cast<double>(c.y)),
+                         to_fixed(static_cast<double>(c.z))};
+    std::fill_n(center.x, 8, at[0].units), std::fill_n(center.xr, 8, at[0].rest);
+    std::fill_n(center.y, 8, at[1].units), std::fill_n(center.yr, 8, at[1].rest);
+    std::fill_n(center.z, 8, at[2].units), std::fill_n(center.zr, 8, at[2].rest);
+    alignas(32) float d[8];
+    type_->kernels().distance(view(p), static_cast<std::uint32_t>(i), center, d);
+    const float half = 0.5f * length(box.size());
+    return {std::max(d[0] - half, 0.f), d[0] + half};
+  }
   const Vec3f a{static_cast<float>(to_metres(p.x[i])), static_cast<float>(to_metres(p.y[i])),
                 static_cast<float>(to_metres(p.z[i]))};
-  const float spread =
-      type_->extras == 0 ? 0.f : p.reach[i] - (type_->volumetric ? p.radius[i] + falloff_ : p.radius[i]);
-  const float near2 = [&] {
-    const float dx = std::max(std::max(box.lo.x - a.x, a.x - box.hi.x), 0.f);
-    const float dy = std::max(std::max(box.lo.y - a.y, a.y - box.hi.y), 0.f);
-    const float dz = std::max(std::max(box.lo.z - a.z, a.z - box.hi.z), 0.f);
-    return dx * dx + dy * dy + dz * dz;
-  }();
-  const float far2 = [&] {
-    const float dx = std::max(a.x - box.lo.x, box.hi.x - a.x);
-    const float dy = std::max(a.y - box.lo.y, box.hi.y - a.y);
-    const float dz = std::max(a.z - box.lo.z, box.hi.z - a.z);
-    return dx * dx + dy * dy + dz * dz;
-  }();
-  // Least and greatest distance to the skeleton: the skeleton lies within `spread` of the anchor and reaches
-  // it.
-  const float slack = position_slack;
-  const float near = std::max(std::sqrt(near2) - spread - slack, 0.f);
-  const float far = std::sqrt(far2) + slack;
+  const auto near = [](float lo, float hi, float c) { return std::max(std::max(lo - c, c - hi), 0.f); };
+  const auto far = [](float lo, float hi, float c) { return std::max(c - lo, hi - c); };
+  return {length(Vec3f{near(box.lo.x, box.hi.x, a.x), near(box.lo.y, box.hi.y, a.y),
+                       near(box.lo.z, box.hi.z, a.z)}),
+          length(Vec3f{far(box.lo.x, box.hi.x, a.x), far(box.lo.y, box.hi.y, a.y),
+                       far(box.lo.z, box.hi.z, a.z)})};
+}
+
+Interval Cloud::contribution(const Primitives& p, std::size_t i, const Box3f& box) const {
+  const auto [near, far] = distances(p, i, box);
   const auto closeness = [&](float d, float noise) {
     const float support = type_->volumetric ? falloff_ : p.radius[i] + noise;
     const float q = (type_->volumetric ? std::max(d - p.radius[i] - noise, 0.f) : d) / support;
     const float t = std::max(1.f - q * q, 0.f);
     return t * t * t;
   };
-  const float most = closeness(near, noise_.amplitude), least = closeness(far, -noise_.amplitude);
+  const float most = closeness(std::max(near - position_slack, 0.f), noise_.amplitude);
+  const float least = closeness(far + position_slack, -noise_.amplitude);
   const float e = p.energy[i];
   return e < 0 ? Interval{e * most, e * least} : Interval{e * least, e * most};
 }

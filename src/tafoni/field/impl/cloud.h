@@ -80,6 +80,11 @@ class Cloud {
     std::uint16_t count;
     std::uint32_t first;
   };
+  struct Distances {
+    float near, far;
+  };
+  /// Least and greatest distance of the box's points from a decoded primitive's skeleton.
+  Distances distances(const Primitives& p, std::size_t i, const Box3f& box) const;
   /// Adds reach and extras to decoded primitives of a kind that has extras, and drops what cannot touch
   /// `box`.
   void decode_extras(const Block& block, const Box3f& box, std::size_t from, Primitives& out) const;

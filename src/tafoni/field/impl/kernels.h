@@ -106,6 +106,8 @@ struct PrimitiveKernels {
   void (*add_points)(const CloudView&, const std::uint32_t* list, std::size_t n, const PointLanes&, float* f);
   void (*add_gradients)(const CloudView&, const std::uint32_t* list, std::size_t n, const PointLanes&,
                         PointValues&);
+  /// Distance of eight points from the skeleton of primitive `i`, metres.
+  void (*distance)(const CloudView&, std::uint32_t i, const PointLanes&, float* out);
 };
 
 }  // namespace tafoni::field::impl

@@ -216,8 +216,17 @@ void add_gradients(const CloudView& cloud, const std::uint32_t* list, std::size_
 }
 
 template <class K>
+void distance(const CloudView& cloud, std::uint32_t i, const PointLanes& p, float* out) {
+  const Shape shape = shape_of<K>(cloud, i);
+  for (std::size_t l = 0; l < 8; l += lane_count()) {
+    const Vec3N<Lanes> o = K::offset(relative(p, l, *cloud.primitives, i), shape.extras, shape.count);
+    sqrt(dot(o, o)).store(out + l);
+  }
+}
+
+template <class K>
 PrimitiveKernels make_kernels() {
-  return {&add_block<K>, &add_points<K>, &add_gradients<K>};
+  return {&add_block<K>, &add_points<K>, &add_gradients<K>, &distance<K>};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -1,0 +1,251 @@
+// The same questions to every registered primitive and operator; a new one is covered without a new test.
+
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "tafoni/core/random.h"
+#include "tafoni/field/compiled.h"
+#include "tafoni/field/impl/node.h"
+#include "tafoni/field/operator.h"
+#include "tafoni/field/primitive.h"
+#include "tafoni/math/simd.h"
+
+namespace tafoni::field {
+namespace {
+
+struct Sample {
+  Vec3d anchor;
+  float energy;
+  std::vector<float> shape;
+};
+
+/// A primitive with parameters drawn well inside their ranges and a size of metres.
+Sample draw(const PrimitiveType& type, Random& random) {
+  Sample s{{random.uniform(-30, 30), random.uniform(-30, 30), random.uniform(-30, 30)},
+           static_cast<float>(random.uniform(-9, 9)),
+           {static_cast<float>(random.uniform(1.5, 8))}};
+  const std::uint64_t groups = type.extras == 0 ? 0 : type.variable ? 1 + random.below(5) : 1;
+  for (std::uint64_t i = 0; i < groups * static_cast<std::uint64_t>(type.extras); ++i)
+    s.shape.push_back(static_cast<float>(random.uniform(-10, 10)));
+  return s;
+}
+
+NodePtr cloud_of(const PrimitiveType& type, std::span<const Sample> samples, double noise) {
+  CloudBuilder cloud({type.name, 7, {noise, 3, 2, 5}});
+  for (const Sample& s : samples) cloud.add(s.anchor, s.energy, s.shape);
+  return cloud.finish();
+}
+
+class Kinds : public testing::TestWithParam<const PrimitiveType*> {};
+
+TEST_P(Kinds, DeclareThemselves) {
+  const PrimitiveType& type = *GetParam();
+  EXPECT_FALSE(type.doc.empty());
+  EXPECT_FALSE(type.source.empty());
+  ASSERT_FALSE(type.params.empty());
+  EXPECT_EQ(type.params[0].name, "radius");
+  EXPECT_EQ(type.params.size(), static_cast<std::size_t>(1 + type.extras));
+  std::set<std::string> names;
+  for (const ParamInfo& p : type.params) {
+    EXPECT_TRUE(names.insert(p.name).second) << p.name;
+    EXPECT_FALSE(p.doc.empty()) << p.name;
+    EXPECT_LT(p.min, p.max) << p.name;
+    EXPECT_NO_THROW(checked(p, p.init, type.name));
+    EXPECT_THROW(checked(p, Value(p.max * 2), type.name), Error);
+    EXPECT_THROW(checked(p, Value(std::string("wide")), type.name), Error);
+    EXPECT_EQ(std::get<double>(parsed(p, to_toml(p.init), type.name)), std::get<double>(p.init));
+  }
+}
+
+TEST_P(Kinds, VanishExactlyOutsideTheirSupportAndNowhereElse) {
+  const PrimitiveType& type = *GetParam();
+  Random random(1);
+  for (double noise : {0.0, 1.0}) {
+    int inside = 0;
+    for (int i = 0; i < 60; ++i) {
+      const Sample s = draw(type, random);
+      const NodePtr node = cloud_of(type, {&s, 1}, noise);
+      const CompiledField field = compile(node);
+      const double extent = type.extent(std::span(s.shape).subspan(1));
+      const double reach = extent + s.shape[0] + noise + (type.volumetric ? 7 : 0);
+      for (int k = 0; k < 60; ++k) {
+        const Vec3d dir =
+            normalized(Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+        const double d = random.uniform(0, 1.6) * reach;
+        const float v = field.value(s.anchor + dir * d);
+        if (d > reach * 1.0001 + 0.001) {
+          EXPECT_EQ(v, 0.f);
+        }
+        EXPECT_LE(std::fabs(v), std::fabs(s.energy) * 1.0001f);
+        if (v != 0) {
+          EXPECT_EQ(v > 0, s.energy > 0);
+        }
+        inside += v != 0;
+      }
+      EXPECT_NEAR(field.value(s.anchor), s.energy, 1e-3);
+    }
+    EXPECT_GT(inside, 100);
+  }
+}
+
+TEST_P(Kinds, IntervalsEncloseSamples) {
+  const PrimitiveType& type = *GetParam();
+  Random random(2);
+  for (double noise : {0.0, 1.0}) {
+    std::vector<Sample> samples;
+    for (int i = 0; i < 40; ++i) samples.push_back(draw(type, random));
+    const CompiledField field = compile(cloud_of(type, samples, noise));
+    for (int i = 0; i < 150; ++i) {
+      const Vec3d c{random.uniform(-40, 40), random.uniform(-40, 40), random.uniform(-40, 40)};
+      const Box3d box = Box3d{c, c}.grown(random.uniform(0.05, 10));
+      const Interval range = field.interval(box);
+      for (int k = 0; k < 30; ++k) {
+        const float v = field.value({random.uniform(box.lo.x, box.hi.x), random.uniform(box.lo.y, box.hi.y),
+                                     random.uniform(box.lo.z, box.hi.z)});
+        EXPECT_GE(v, range.lo);
+        EXPECT_LE(v, range.hi);
+      }
+    }
+  }
+}
+
+TEST_P(Kinds, IntervalsTightenWithTheBox) {
+  const PrimitiveType& type = *GetParam();
+  Random random(7);
+  for (int i = 0; i < 30; ++i) {
+    const Sample s = draw(type, random);
+    const CompiledField field = compile(cloud_of(type, {&s, 1}, 0));
+    const Vec3d p = s.anchor + Vec3d{random.uniform(-6, 6), random.uniform(-6, 6), random.uniform(-6, 6)};
+    const Interval range = field.interval(Box3d{p, p}.grown(0.02));
+    EXPECT_LT(range.hi - range.lo, 0.15f * std::fabs(s.energy));
+  }
+}
+
+TEST_P(Kinds, GradientsMatchDifferences) {
+  const PrimitiveType& type = *GetParam();
+  Random random(3);
+  for (double noise : {0.0, 0.8}) {
+    std::vector<Sample> samples;
+    for (int i = 0; i < 25; ++i) samples.push_back(draw(type, random));
+    const CompiledField field = compile(cloud_of(type, samples, noise));
+    int bad = 0;
+    for (int i = 0; i < 300; ++i) {
+      const Vec3d p{random.uniform(-35, 35), random.uniform(-35, 35), random.uniform(-35, 35)};
+      float v;
+      Vec3f g;
+      field.gradients({&p, 1}, {&v, 1}, {&g, 1});
+      EXPECT_EQ(v, field.value(p));
+      const double h = 0.01;
+      const auto slope = [&](Vec3d d) { return (field.value(p + d * h) - field.value(p - d * h)) / (2 * h); };
+      const Vec3d d{slope({1, 0, 0}), slope({0, 1, 0}), slope({0, 0, 1})};
+      bad += length(d - to_double(g)) > 0.01 + 0.02 * length(d);
+    }
+    // Where the nearest point of a skeleton jumps, or on a ball's rim with its noise, there is no derivative.
+    EXPECT_LE(bad, 6);
+  }
+}
+
+std::string kind_name(const testing::TestParamInfo<const PrimitiveType*>& info) {
+  return info.param->name;
+}
+INSTANTIATE_TEST_SUITE_P(Registry, Kinds, testing::ValuesIn(all_primitives().begin(), all_primitives().end()),
+                         kind_name);
+
+class Operators : public testing::TestWithParam<const OperatorType*> {};
+
+TEST_P(Operators, IntervalsAndNeedsAreHonest) {
+  const OperatorType& type = *GetParam();
+  EXPECT_FALSE(type.doc.empty());
+  EXPECT_FALSE(type.source.empty());
+  Random random(1);
+  for (int i = 0; i < 2000; ++i) {
+    const auto range = [&] {
+      const auto a = static_cast<float>(random.uniform(-5, 5)), b = static_cast<float>(random.uniform(-5, 5));
+      return Interval{std::min(a, b), std::max(a, b)};
+    };
+    const Interval a = range(), b = range(), r = type.interval(a, b);
+    const Needs needs = type.needs(a, b);
+    for (int k = 0; k < 10; ++k) {
+      const auto va = static_cast<float>(random.uniform(a.lo, a.hi)),
+                 vb = static_cast<float>(random.uniform(b.lo, b.hi));
+      const float v = compile(combine(type.name, {constant(va), constant(vb)})).value({0, 0, 0});
+      EXPECT_GE(v, r.lo);
+      EXPECT_LE(v, r.hi);
+      if (needs != Needs::both) {
+        EXPECT_EQ(v, needs == Needs::first ? va : vb);
+      }
+    }
+  }
+}
+
+std::string operator_name(const testing::TestParamInfo<const OperatorType*>& info) {
+  return info.param->name;
+}
+INSTANTIATE_TEST_SUITE_P(Registry, Operators,
+                         testing::ValuesIn(all_operators().begin(), all_operators().end()), operator_name);
+
+/// One number for the bits of every kind's values and gradients over many points.
+std::uint64_t field_hash() {
+  Random random(4);
+  std::vector<NodePtr> parts{constant(-7.5f)};
+  for (const PrimitiveType* type : all_primitives())
+    for (double noise : {0.0, 0.8}) {
+      std::vector<Sample> samples;
+      for (int i = 0; i < 30; ++i) samples.push_back(draw(*type, random));
+      parts.push_back(cloud_of(*type, samples, noise));
+    }
+  auto heights = std::make_shared<raster::Raster>();
+  heights->values = raster::Grid<float>(20, 20);
+  heights->placement = {-50, 50, 5, 5};
+  for (float& h : heights->values.values()) h = static_cast<float>(random.uniform(-20, 20));
+  const CompiledField field =
+      compile(combine("union", {combine("blend", parts), heightfield(heights, TerrainSettings{})}));
+  std::vector<Vec3d> points(5000);
+  for (Vec3d& p : points) p = {random.uniform(-50, 50), random.uniform(-50, 50), random.uniform(-40, 40)};
+  std::vector<float> values(points.size());
+  std::vector<Vec3f> gradients(points.size());
+  field.gradients(points, values, gradients);
+  std::uint64_t hash = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (float v : {values[i], gradients[i].x, gradients[i].y, gradients[i].z})
+      hash = hash_combine(hash, std::bit_cast<std::uint32_t>(v == 0 ? 0.f : v));
+  return hash;
+}
+
+TEST(Simd, PrintsTheHashOfItsInstructionSet) {
+  std::printf("SIMD %s HASH %016llx\n", simd_name().c_str(), static_cast<unsigned long long>(field_hash()));
+}
+
+std::string run_limited(const std::string& name) {
+  // The shell's own /proc/self would be the shell: name this process.
+  const std::string line = "TAFONI_SIMD=" + name + " $(readlink /proc/" + std::to_string(getpid()) +
+                           "/exe) --gtest_filter=Simd.PrintsTheHashOfItsInstructionSet";
+  std::FILE* pipe = popen(line.c_str(), "r");
+  std::string all;
+  char text[256];
+  while (pipe && std::fgets(text, sizeof(text), pipe)) all += text;
+  if (pipe) pclose(pipe);
+  const auto at = all.find("SIMD ");
+  return at == std::string::npos ? all : all.substr(at, all.find('\n', at) - at);
+}
+
+TEST(Simd, InstructionSetsAgree) {
+  const std::string wide = run_limited("avx512"), avx2 = run_limited("avx2"), sse4 = run_limited("sse4"),
+                    scalar = run_limited("scalar");
+  const auto hash = [](const std::string& s) { return s.substr(s.find("HASH")); };
+  if (avx2.find("SIMD avx2") == std::string::npos) GTEST_SKIP() << "this machine has no AVX2: " << avx2;
+  EXPECT_EQ(hash(wide), hash(avx2)) << wide << " and " << avx2;
+  ASSERT_NE(sse4.find("SIMD sse4"), std::string::npos) << sse4;
+  ASSERT_NE(scalar.find("SIMD scalar"), std::string::npos) << scalar;
+  // Neither fuses multiply and add: the same operations, one lane or four.
+  EXPECT_EQ(hash(sse4), hash(scalar));
+}
+
+}  // namespace
+}  // namespace tafoni::field
