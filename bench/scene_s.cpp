@@ -10,12 +10,12 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
 
+#include <fmt/core.h>
 #include <sys/resource.h>
 
 #include "tafoni/core/error.h"
@@ -128,87 +128,125 @@ struct Options {
   bool paper = true, solid = false;
 };
 
-void run(const Options& o) {
-  auto heights = std::make_shared<raster::Raster>();
-  heights->values = raster::Grid<float>(pixels, pixels);
-  heights->placement = {.west = 0, .north = extent, .dx = pixel, .dy = pixel};
-  Box3d region{{0, 0, 1e9}, {extent, extent, -1e9}};
+struct Row {
+  double tree_s, compile_s, mesh_s, peak_mb, bytes_a_primitive;
+  mesh::PolygonizeStats stats;
+  std::uint64_t mesh_hash, query_hash;
+  Timed uniform, surface, near, gradient;
+  double brute_rate, worst = 0;
+};
+
+struct Ground {
+  std::shared_ptr<raster::Raster> heights;
+  Box3d region;
+};
+
+Ground make_ground() {
+  Ground ground{std::make_shared<raster::Raster>(), {{0, 0, 1e9}, {extent, extent, -1e9}}};
+  ground.heights->values = raster::Grid<float>(pixels, pixels);
+  ground.heights->placement = {.west = 0, .north = extent, .dx = pixel, .dy = pixel};
   for (int row = 0; row < pixels; ++row)
     for (int col = 0; col < pixels; ++col) {
-      const Vec2d c = heights->placement.center(col, row);
-      const float h = heights->values.at(col, row) = static_cast<float>(elevation(c.x, c.y));
-      region.lo.z = std::min(region.lo.z, h - 60.0);
-      region.hi.z = std::max(region.hi.z, h + 60.0);
+      const Vec2d c = ground.heights->placement.center(col, row);
+      const float h = ground.heights->values.at(col, row) = static_cast<float>(elevation(c.x, c.y));
+      ground.region.lo.z = std::min(ground.region.lo.z, h - 60.0);
+      ground.region.hi.z = std::max(ground.region.hi.z, h + 60.0);
     }
+  return ground;
+}
+
+field::NodePtr terrain_node(const Ground& ground, const Options& o) {
+  const field::TerrainSettings settings{
+      .influence = influence, .amplitude = amplitude, .bicubic = !o.paper, .first_order = !o.paper};
+  field::NodePtr node = field::heightfield(ground.heights, settings);
+  if (!o.solid) return node;
+  const field::Domain domain{.box = ground.region, .inside = {}};
+  return field::combine("intersection", {node, field::domain(domain, settings)});
+}
+
+std::uint64_t hash_of(const mesh::Mesh& mesh) {
+  std::uint64_t h = hash(mesh.positions.data(), mesh.positions.size() * sizeof(Vec3f));
+  h = hash(mesh.normals.data(), mesh.normals.size() * sizeof(Vec3f), h);
+  return hash(mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]), h);
+}
+
+void run_queries(const field::CompiledField& field, const Ground& ground, const std::vector<Sphere>& spheres,
+                 const Options& o, Row& row) {
+  std::vector<Vec3d> uniform, surface, near;
+  Random random(11);
+  for (int i = 0; i < queries; ++i) {
+    const double x = random.uniform(0, extent), y = random.uniform(0, extent);
+    uniform.push_back({x, y, random.uniform(ground.region.lo.z, ground.region.hi.z)});
+    surface.push_back({x, y, elevation(x, y) + random.uniform(-20, 20)});
+    const Sphere& s = spheres[random.below(spheres.size())];
+    near.push_back(s.center + Vec3d{random.uniform(-6, 6), random.uniform(-6, 6), random.uniform(-6, 6)});
+  }
+  row.uniform = query(field, uniform, false);
+  row.surface = query(field, surface, false);
+  row.near = query(field, near, false);
+  row.gradient = query(field, near, true);
+  row.query_hash = 0;
+  for (const Timed& t : {row.uniform, row.surface, row.near, row.gradient})
+    row.query_hash = row.query_hash * 31 + t.hash;
+
+  // Few points are enough: the scan takes the same time at each.
+  near.resize(static_cast<std::size_t>(std::max(20, 20'000'000 / o.count)));
+  std::vector<double> truth;
+  const double begin = seconds();
+  for (Vec3d p : near) truth.push_back(brute_force(*ground.heights, spheres, p));
+  row.brute_rate = static_cast<double>(near.size()) / (seconds() - begin);
+  if (!o.paper || o.solid) return;
+  for (std::size_t i = 0; i < near.size(); ++i)
+    row.worst = std::max(row.worst, std::abs(truth[i] - static_cast<double>(field.value(near[i]))));
+  if (row.worst > 1e-4 * amplitude)
+    fail(ErrorKind::internal, "the field differs from the formula by {} m", row.worst);
+}
+
+Row run(const Options& o) {
+  const Ground ground = make_ground();
   const std::vector<Sphere> spheres = tunnels(o.count);
+  Row row{};
 
   const double t0 = seconds();
   field::CloudBuilder cloud(field::CloudSettings{});
   for (const Sphere& s : spheres) field::add_point(cloud, s.center, s.radius, s.energy);
-  const field::TerrainSettings terrain{
-      .influence = influence, .amplitude = amplitude, .bicubic = !o.paper, .first_order = !o.paper};
-  field::NodePtr ground = field::heightfield(heights, terrain);
-  if (o.solid) {
-    const field::Domain domain{.box = {{0, 0, region.lo.z}, {extent, extent, region.hi.z}}, .inside = {}};
-    ground = field::combine("intersection", {ground, field::domain(domain, terrain)});
-  }
   const field::NodePtr points = cloud.finish();
-  const double bytes = static_cast<double>(field::stats(points).bytes);
+  const field::NodePtr tree = field::combine("blend", {terrain_node(ground, o), points});
   const double t1 = seconds();
-  const field::CompiledField field = field::compile(field::combine("blend", {ground, points}));
+  const field::CompiledField field = field::compile(tree);
   const double t2 = seconds();
 
   mesh::PolygonizeSettings settings;
   settings.voxel = extent / o.cells;
   settings.boundary = o.solid ? mesh::Boundary::solid : mesh::Boundary::open;
-  settings.region = region;
-  mesh::PolygonizeStats stats;
-  const mesh::Mesh mesh = mesh::polygonize(field, settings, silent(), &stats);
+  settings.region = ground.region;
+  const mesh::Mesh mesh = mesh::polygonize(field, settings, silent(), &row.stats);
   const double t3 = seconds();
+
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  std::uint64_t mesh_hash = hash(mesh.positions.data(), mesh.positions.size() * sizeof(Vec3f));
-  mesh_hash = hash(mesh.normals.data(), mesh.normals.size() * sizeof(Vec3f), mesh_hash);
-  mesh_hash = hash(mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]), mesh_hash);
+  row.tree_s = t1 - t0;
+  row.compile_s = t2 - t1;
+  row.mesh_s = t3 - t2;
+  row.peak_mb = static_cast<double>(usage.ru_maxrss) / 1024;
+  row.bytes_a_primitive = static_cast<double>(field::stats(points).bytes) / o.count;
+  row.mesh_hash = hash_of(mesh);
+  run_queries(field, ground, spheres, o, row);
+  return row;
+}
 
-  std::vector<Vec3d> uniform, surface, near;
-  Random random(11);
-  for (int i = 0; i < queries; ++i) {
-    const double x = random.uniform(0, extent), y = random.uniform(0, extent);
-    uniform.push_back({x, y, random.uniform(region.lo.z, region.hi.z)});
-    surface.push_back({x, y, elevation(x, y) + random.uniform(-20, 20)});
-    const Sphere& s = spheres[static_cast<std::size_t>(random.uniform(0, o.count - 0.001))];
-    near.push_back(s.center + Vec3d{random.uniform(-6, 6), random.uniform(-6, 6), random.uniform(-6, 6)});
-  }
-  const Timed q[] = {query(field, uniform, false), query(field, surface, false), query(field, near, false),
-                     query(field, near, true)};
-  std::uint64_t query_hash = 0;
-  for (const Timed& t : q) query_hash = query_hash * 31 + t.hash;
-
-  // Few samples are enough: the scan takes the same time at each.
-  const int samples = std::max(20, static_cast<int>(2e7 / o.count));
-  double worst = 0, sum = 0;
-  const double t4 = seconds();
-  for (int i = 0; i < samples; ++i) sum += brute_force(*heights, spheres, near[static_cast<std::size_t>(i)]);
-  const double brute_rate = samples / (seconds() - t4);
-  if (o.paper && !o.solid)
-    for (int i = 0; i < samples; ++i) {
-      const Vec3d p = near[static_cast<std::size_t>(i)];
-      worst = std::max(worst, std::abs(brute_force(*heights, spheres, p) - field.value(p)));
-    }
-  if (!std::isfinite(sum) || worst > 1e-4 * amplitude)
-    fail(ErrorKind::internal, "the field differs from the formula by {} m", worst);
-
-  std::printf(
-      "%d,%d,%s,%s,%d,%.4f,%.4f,%.3f,%.3f,%.2f,%.1f,%.3f,%.3f,%.3f,%llu,%.0f,%.1f,%.2f,%.2f,%.2f,%.2f,%.0f,%."
-      "1e,%016llx,%016llx\n",
-      o.count, o.cells, o.paper ? "paper" : "default", o.solid ? "solid" : "open", thread_count(), t1 - t0,
-      t2 - t1, t3 - t2, t3 - t0, static_cast<double>(stats.evaluated) * 1e-6,
-      static_cast<double>(stats.evaluated) / stats.evaluate_seconds * 1e-6, stats.evaluate_seconds,
-      stats.triangles_seconds, stats.normals_seconds, static_cast<unsigned long long>(stats.triangles),
-      static_cast<double>(usage.ru_maxrss) / 1024, bytes / o.count, q[0].per_second * 1e-6,
-      q[1].per_second * 1e-6, q[2].per_second * 1e-6, q[3].per_second * 1e-6, brute_rate, worst,
-      static_cast<unsigned long long>(mesh_hash), static_cast<unsigned long long>(query_hash));
+void print(const Options& o, const Row& r) {
+  const auto& s = r.stats;
+  const double million = 1e-6, evaluated = static_cast<double>(s.evaluated);
+  fmt::print("{},{},{},{},{},{:.4f},{:.4f},{:.3f},{:.3f},{:.2f},{:.1f},", o.count, o.cells,
+             o.paper ? "paper" : "default", o.solid ? "solid" : "open", thread_count(), r.tree_s, r.compile_s,
+             r.mesh_s, r.tree_s + r.compile_s + r.mesh_s, evaluated * million,
+             evaluated / s.evaluate_seconds * million);
+  fmt::print("{:.3f},{:.3f},{:.3f},{},{:.0f},{:.1f},", s.evaluate_seconds, s.triangles_seconds,
+             s.normals_seconds, s.triangles, r.peak_mb, r.bytes_a_primitive);
+  fmt::print("{:.2f},{:.2f},{:.2f},{:.2f},{:.0f},{:.1e},{:016x},{:016x}\n", r.uniform.per_second * million,
+             r.surface.per_second * million, r.near.per_second * million, r.gradient.per_second * million,
+             r.brute_rate, r.worst, r.mesh_hash, r.query_hash);
 }
 
 }  // namespace
@@ -230,7 +268,7 @@ int main(int argc, char** argv) {
     if (const int threads = std::atoi(argv[i])) set_thread_count(threads);
   }
   try {
-    run(options);
+    print(options, run(options));
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

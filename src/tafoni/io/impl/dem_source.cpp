@@ -183,8 +183,8 @@ class GdalSource final : public DemSource {
     GdalMessages messages;
     const Pair& pair = pairs_[level];
     if (pair.heights->RasterIO(GF_Read, x, y, w, h, out, w, h, GDT_Float64, 0, 0) != CE_None)
-      fail(ErrorKind::input, "{} cannot be read whole, it is cut short or damaged{}; fetch it again.",
-           name, messages.because());
+      fail(ErrorKind::input, "{} cannot be read whole, it is cut short or damaged{}; fetch it again.", name,
+           messages.because());
     if (pair.mask == nullptr) return;
     mask_.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
     if (pair.mask->RasterIO(GF_Read, x, y, w, h, mask_.data(), w, h, GDT_Byte, 0, 0) != CE_None)
