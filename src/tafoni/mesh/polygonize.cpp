@@ -70,10 +70,11 @@ class Job {
         if (tile({x, y}).count() > 0) body(TileIndex{x, y});
   }
 
-  /// The pieces of a box of columns, in order.
+  /// The pieces of a box of columns, in order. Their memory stays until release().
   std::vector<Piece> pieces(const ColumnBox& box, bool normals, bool parts);
   void add_stats(PolygonizeStats& stats) const;
   void forget_workers() { workers_.clear(); }
+  void release() { arenas_.clear(); }
 
  private:
   void skip_empty(const Box3d& bounds);
@@ -87,7 +88,7 @@ class Job {
   Vec3i first_, last_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Worker>> workers_;
-  PolygonizeStats sums_;
+  std::vector<std::unique_ptr<impl::Arena>> arenas_;
 };
 
 /// Narrows the chunks to those that can hold surface.
@@ -148,6 +149,7 @@ std::vector<Piece> Job::pieces(const ColumnBox& box, bool normals, bool parts) {
         workers_.push_back(std::move(worker));
       },
       progress_);
+  for (const auto& worker : workers_) arenas_.push_back(worker->maker.take_arena());
   std::vector<Piece> all;
   for (auto& column : columns)
     for (Piece& piece : column) all.push_back(std::move(piece));
@@ -215,6 +217,7 @@ void polygonize_tiles(const SourceFactory& source, const Box3d& bounds, const Po
     progress.begin("find fragments", job.columns(), "columns");
     job.for_each_tile([&](TileIndex t) {
       for (const Piece& piece : job.pieces(job.tile(t), false, true)) connectivity.add(piece);
+      job.release();
     });
     job.forget_workers();
     note_decision(connectivity.decide(settings.min_fragment_volume), sums);
@@ -225,6 +228,7 @@ void polygonize_tiles(const SourceFactory& source, const Box3d& bounds, const Po
     auto pieces = job.pieces(job.tile(t), settings.normals, connectivity.any_removed());
     Mesh mesh =
         impl::assemble(pieces, parts ? &connectivity : nullptr, &sums.stitch_seconds, &sums.gather_seconds);
+    job.release();
     if (mesh.triangles.empty()) return;
     sums.vertices += mesh.positions.size();
     sums.triangles += mesh.triangles.size();

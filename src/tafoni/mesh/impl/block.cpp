@@ -52,11 +52,11 @@ void BlockWalker::list_edges(PlaneRows& plane) {
   Buffer<EdgeKey>& keys = output_.keys;
   const auto list = [&](std::uint64_t bits, std::uint32_t& base, EdgeKey first) {
     base = count_;
-    const auto n = static_cast<std::uint32_t>(std::popcount(bits));
     EdgeKey* out = keys.end();
     for (; bits; bits &= bits - 1) *out++ = first + static_cast<EdgeKey>(std::countr_zero(bits));
+    const auto n = static_cast<std::size_t>(out - keys.end());
     keys.commit(n);
-    count_ += n;
+    count_ += static_cast<std::uint32_t>(n);
   };
   for (int j = 0; j < ny_; ++j) {
     if (!plane.used[static_cast<std::size_t>(j)]) continue;

@@ -69,9 +69,9 @@ bool PieceMaker::make(const field::ChunkSamples& samples, SampleSource& source, 
   if (count == 0) return false;
   out.cut_cells = walker_.cut_cells();
   const auto* p = reinterpret_cast<const Vec3f*>(positions_.data());
-  out.positions.assign(p, p + count);
+  out.positions = arena_->copy(p, count);
   const auto* t = reinterpret_cast<const std::array<std::uint32_t, 3>*>(indices_.data());
-  out.triangles.assign(t, t + indices_.size() / 3);
+  out.triangles = arena_->copy(t, indices_.size() / 3);
   if (parts_) find_parts(out);
   const double middle = now();
   triangles_seconds += middle - start;
@@ -144,7 +144,7 @@ void PieceMaker::find_normals(SampleSource& source, Piece& out) {
     // seam.
     g = l > 0 && std::isfinite(l) ? g * (-1.0f / l) : Vec3f{0, 0, 1};
   }
-  out.normals.assign(gradients_.begin(), gradients_.end());
+  out.normals = arena_->copy(gradients_.data(), count);
 }
 
 void PieceMaker::find_parts(Piece& out) {

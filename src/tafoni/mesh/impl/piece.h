@@ -4,9 +4,13 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "tafoni/core/random.h"
+#include "tafoni/mesh/impl/arena.h"
 #include "tafoni/mesh/impl/block.h"
 #include "tafoni/mesh/impl/lattice.h"
 #include "tafoni/mesh/source.h"
@@ -46,8 +50,8 @@ struct Part {
 
 struct Piece {
   Vec3i chunk;
-  std::vector<Vec3f> positions, normals;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::span<Vec3f> positions, normals;  ///< in the maker's arena, as are the triangles
+  std::span<std::array<std::uint32_t, 3>> triangles;
   std::array<std::vector<BorderVertex>, 6> faces;  ///< x low, x high, y low, …; none of the corners
   std::vector<CornerVertex> corners;
   std::vector<Part> parts;            ///< empty when not asked for
@@ -65,6 +69,9 @@ class PieceMaker {
 
   /// False when no cell of the chunk is cut. `source` has just evaluated `samples`.
   bool make(const field::ChunkSamples& samples, SampleSource& source, Piece& out);
+
+  /// Where the pieces made so far live; the maker goes on in a new one.
+  std::unique_ptr<Arena> take_arena() { return std::exchange(arena_, std::make_unique<Arena>()); }
 
   /// Prepares and reports on the cells of a chunk; for BlockWalker.
   bool layer(int k) const { return k >= 0 && k < field::chunk_cells && layers_[static_cast<std::size_t>(k)]; }
@@ -93,6 +100,7 @@ class PieceMaker {
   Piece* piece_ = nullptr;
   bool whole_ = true;
 
+  std::unique_ptr<Arena> arena_ = std::make_unique<Arena>();
   std::array<bool, field::chunk_cells> layers_{};
   std::vector<std::uint64_t> cells_ = std::vector<std::uint64_t>(field::chunk_cells * layer_words);
   BlockWalker walker_;
