@@ -73,7 +73,7 @@ Light light_of(const impl::World& world, const View& view, const RenderSettings&
                std::optional<float> sea) {
   Light light;
   const double facing = std::atan2(view.forward.x, view.forward.y);
-  const double azimuth = settings.sun_azimuth.value_or(facing - 2.18);
+  const double azimuth = settings.sun_azimuth.value_or(facing - 1.90);
   light.to_sun =
       to_float({std::sin(azimuth) * std::cos(settings.sun_elevation),
                 std::cos(azimuth) * std::cos(settings.sun_elevation), std::sin(settings.sun_elevation)});

@@ -41,7 +41,7 @@ class Integrator {
                const Sampler& sampler) const;
   /// The sea's floor where the data ends: it goes on from the data's own at the same depth.
   Sample floor_beyond(Vec3f from, Vec3f direction, const Sampler& sampler) const;
-  Sample solid(Vec3f from, Vec3f direction, const Hit& hit, const Sampler& sampler) const;
+  Sample solid(Vec3f from, Vec3f direction, const Hit& hit, float footprint, const Sampler& sampler) const;
 
   const World& world_;
   const Colors& colors_;

@@ -41,8 +41,8 @@ struct Light {
   float haze_per_metre = 0;
   float haze_begin = 0;  ///< metres from the eye that are clear
 
-  static constexpr Vec3f sun{3.05f, 2.70f, 2.20f};
-  static constexpr Vec3f zenith{0.30f, 0.50f, 0.92f}, horizon{0.80f, 0.88f, 0.97f};
+  static constexpr Vec3f sun{3.40f, 2.95f, 2.35f};
+  static constexpr Vec3f zenith{0.24f, 0.42f, 0.80f}, horizon{0.70f, 0.79f, 0.90f};
   static constexpr Vec3f ground{0.62f, 0.645f, 0.66f};
   /// What water scatters back, and how fast it takes light away, per metre.
   static constexpr Vec3f water{0.018f, 0.085f, 0.105f}, absorption{0.30f, 0.10f, 0.075f};
