@@ -67,6 +67,7 @@ void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress) {
                    const Vec3d local = to_double(mesh.positions[i]);
                    mesh::SurfacePoint point;
                    point.position = local + origin;
+                   point.spacing = static_cast<float>(scene.voxel);
                    if (!mesh.normals.empty()) point.normal = mesh.normals[i];
                    point.resistance = static_cast<float>(scene.geology->resistance(local));
                    if (sea) point.height_above_sea = static_cast<float>(point.position.z - *sea);

@@ -42,7 +42,7 @@ struct Light {
   float haze_begin = 0;  ///< metres from the eye that are clear
 
   static constexpr Vec3f sun{3.40f, 2.95f, 2.35f};
-  static constexpr Vec3f zenith{0.24f, 0.42f, 0.80f}, horizon{0.70f, 0.79f, 0.90f};
+  static constexpr Vec3f zenith{0.28f, 0.43f, 0.74f}, horizon{0.70f, 0.79f, 0.90f};
   static constexpr Vec3f ground{0.62f, 0.645f, 0.66f};
   /// What water scatters back, and how fast it takes light away, per metre.
   static constexpr Vec3f water{0.018f, 0.085f, 0.105f}, absorption{0.30f, 0.10f, 0.075f};

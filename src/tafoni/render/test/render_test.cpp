@@ -118,11 +118,11 @@ TEST(Render, WaterTintsButShowsWhatStandsInIt) {
   RenderSettings settings = small();
   const Scene scene(mesh);
   const auto dry = pixel_at(scene.render(camera, settings), camera, {0, 0, -1});
-  const auto dry_floor = pixel_at(scene.render(camera, settings), camera, {30, 0, -20});
+  const auto dry_floor = pixel_at(scene.render(camera, settings), camera, {-30, 0, -20});
   settings.sea_level = 0;
   const raster::Image image = scene.render(camera, settings);
   const auto shallow = pixel_at(image, camera, {0, 0, -1});
-  const auto deep = pixel_at(image, camera, {30, 0, -20});
+  const auto deep = pixel_at(image, camera, {-30, 0, -20});
   EXPECT_GT(dry[0], dry[2] + 30);
   EXPECT_GT(shallow[0], shallow[2] + 10) << "red under a metre of water must stay red";
   EXPECT_GT(deep[2], deep[0] + 20) << "deep water is blue";
