@@ -111,6 +111,42 @@ NodePtr CloudBuilder::finish() {
   return node;
 }
 
+void add_point(CloudBuilder& cloud, Vec3d center, double radius, double energy) {
+  const float shape[] = {static_cast<float>(radius)};
+  cloud.add(center, static_cast<float>(energy), shape);
+}
+
+void add_segment(CloudBuilder& cloud, Vec3d from, Vec3d to, double radius, double energy) {
+  const Vec3f d = to_float(to - from);
+  const float shape[] = {static_cast<float>(radius), d.x, d.y, d.z};
+  cloud.add(from, static_cast<float>(energy), shape);
+}
+
+void add_curve(CloudBuilder& cloud, std::span<const Vec3d> points, double radius, double energy,
+               double tolerance) {
+  if (points.size() < 2) fail(ErrorKind::input, "a curve wants at least two points");
+  if (!(tolerance > 0)) fail(ErrorKind::usage, "a curve's tolerance must be a positive length in metres");
+  std::vector<float> shape{static_cast<float>(radius)};
+  const auto at = [&](std::ptrdiff_t i) {
+    return points[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(i, 0, std::ssize(points) - 1))];
+  };
+  for (std::ptrdiff_t i = 0; i + 1 < std::ssize(points); ++i) {
+    const Vec3d p0 = at(i - 1), p1 = at(i), p2 = at(i + 1), p3 = at(i + 2);
+    const Vec3d a = p1 * 3.0 - p0 - p2 * 3.0 + p3, b = p0 * 2.0 - p1 * 5.0 + p2 * 4.0 - p3, c = p2 - p0;
+    // A chord over a parameter step s strays at most s^2 / 8 times the greatest second derivative.
+    const double bend = std::max(length(b), length(a * 3.0 + b));
+    const double wanted = std::ceil(std::sqrt(bend / (8 * tolerance)));
+    const int steps = static_cast<int>(std::clamp(std::isfinite(wanted) ? wanted : 1.0, 1.0, 256.0));
+    for (int k = 1; k <= steps; ++k) {
+      const double t = static_cast<double>(k) / steps;
+      const Vec3d p = k == steps ? p2 : p1 + ((a * t + b) * t + c) * (0.5 * t);
+      const Vec3f d = to_float(p - points[0]);
+      shape.insert(shape.end(), {d.x, d.y, d.z});
+    }
+  }
+  cloud.add(points[0], static_cast<float>(energy), shape);
+}
+
 NodePtr combine(std::string_view op, std::vector<NodePtr> children) {
   const OperatorType& type = find_operator(op);
   std::erase(children, nullptr);

@@ -79,11 +79,13 @@ class CloudBuilder {
   std::unique_ptr<State> state_;
 };
 
-/// A number of points along a walk, as a cloud of the kind "point"; the common case.
-inline void add_point(CloudBuilder& cloud, Vec3d center, double radius, double energy) {
-  const float shape[] = {static_cast<float>(radius)};
-  cloud.add(center, static_cast<float>(energy), shape);
-}
+/// Shorthand for the kinds. Radii and energies in metres.
+void add_point(CloudBuilder& cloud, Vec3d center, double radius, double energy);
+void add_segment(CloudBuilder& cloud, Vec3d from, Vec3d to, double radius, double energy);
+/// A Catmull-Rom curve through `points` (at least two), as a chain of segments no further than `tolerance`
+/// metres from it.
+void add_curve(CloudBuilder& cloud, std::span<const Vec3d> points, double radius, double energy,
+               double tolerance = 0.05);
 
 /// A node of a registered operator, by name: "blend" (sum), "union" (max), "intersection" (min),
 /// "difference" (min(a, -b)). Takes at least one child; one child alone is returned as it is.

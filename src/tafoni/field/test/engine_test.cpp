@@ -327,6 +327,24 @@ TEST(Engine, DeepTreesNeitherOverflowNorLeak) {
   EXPECT_EQ(compile(node).value({1, 2, 0}), compile(terrain()).value({1, 2, 0}));
 }
 
+TEST(Tree, CurvesFollowCatmullRom) {
+  const std::vector<Vec3d> points{{0, 0, 0}, {10, 4, 0}, {14, 15, 3}, {30, 12, -5}};
+  CloudBuilder cloud({"curve", 15, {}});
+  add_curve(cloud, points, 6, -8, 0.01);
+  const CompiledField field = compile(cloud.finish());
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const Vec3d p0 = points[i > 0 ? i - 1 : 0], p1 = points[i], p2 = points[i + 1],
+                p3 = points[std::min(i + 2, points.size() - 1)];
+    for (double t = 0; t <= 1; t += 0.05) {
+      const double t2 = t * t, t3 = t2 * t;
+      const Vec3d on = (p0 * (-t3 + 2 * t2 - t) + p1 * (3 * t3 - 5 * t2 + 2) + p2 * (-3 * t3 + 4 * t2 + t) +
+                        p3 * (t3 - t2)) *
+                       0.5;
+      EXPECT_NEAR(field.value(on), -8, 1e-3) << i << " " << t;
+    }
+  }
+}
+
 TEST(Tree, RefusesWhatCannotBeAField) {
   EXPECT_THROW(heightfield(hills(4, 1, 1, 1), {20, 6, true, true}), Error);
   CloudBuilder cloud({"point", 15, {}});
