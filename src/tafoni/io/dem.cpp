@@ -20,6 +20,10 @@ std::array<int, 4> checked_window(const impl::DemSource& source, const DemOption
   if (source.width() < 2 || source.height() < 2)
     fail(ErrorKind::input, "{} is {} x {} pixels; a terrain needs at least 2 x 2.", source.name,
          source.width(), source.height());
+  constexpr int most = 1'000'000;
+  if (!options.window && std::max(source.width(), source.height()) > most)
+    fail(ErrorKind::input, "{} is {} x {} pixels; cut a window of at most a million pixels a side from it.",
+         source.name, source.width(), source.height());
   if (!options.window) return {0, 0, source.width(), source.height()};
   const auto [x, y, w, h] = *options.window;
   if (w < 2 || h < 2)

@@ -148,11 +148,14 @@ class GdalSource final : public DemSource {
       crs = *known;
       crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
     }
-    const double area = transform[1] * transform[5] - transform[2] * transform[4];
-    const bool finite =
-        std::all_of(transform.begin(), transform.end(), [](double v) { return std::isfinite(v); });
-    if (georeferenced && (!finite || area == 0))
-      fail(ErrorKind::input, "{}: its georeference is broken (pixels of no area).", name);
+    const double along = std::hypot(transform[1], transform[4]),
+                 across = std::hypot(transform[2], transform[5]);
+    const double area = std::abs(transform[1] * transform[5] - transform[2] * transform[4]);
+    const auto likely = [](double pixel) { return pixel > 1e-9 && pixel < 1e7; };
+    const bool placed = std::abs(transform[0]) < 1e12 && std::abs(transform[3]) < 1e12;
+    if (georeferenced && !(placed && likely(along) && likely(across) && area > 1e-6 * along * across))
+      fail(ErrorKind::input, "{}: its georeference is broken (pixels of {:.3g} x {:.3g} at {:.3g}, {:.3g}).",
+           name, along, across, transform[0], transform[3]);
   }
 
   void read_units(GDALRasterBand* own) {

@@ -1,6 +1,7 @@
 #include "tafoni/io/impl/gdal.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <mutex>
 
 #include <cpl_conv.h>
@@ -21,6 +22,8 @@ void ensure_gdal() {
   std::call_once(once, [] {
     // Helper threads of GDAL's have no handler of ours on their stack.
     CPLSetErrorHandler(ignore);
+    // PROJ contexts that GDAL's GeoTIFF library makes for itself print to stderr otherwise.
+    ::setenv("PROJ_DEBUG", "0", 0);
     GDALAllRegister();
     if (CPLGetConfigOption("GDAL_CACHEMAX", nullptr) == nullptr) GDALSetCacheMax64(GIntBig{64} << 20);
   });

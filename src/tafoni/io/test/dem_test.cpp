@@ -1,7 +1,9 @@
 #include "tafoni/io/dem.h"
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -533,6 +535,82 @@ TEST(ReadDem, PixelIsPointFilesAreHalfAPixelApart) {
       inspect_dem(ascii("centre.asc", 4, 4, "xllcenter 100\nyllcenter 200\ncellsize 10", hill));
   EXPECT_DOUBLE_EQ(centre.west, 95);
   EXPECT_DOUBLE_EQ(centre.south, 195);
+}
+
+/// A little-endian GeoTIFF of 4 x 3 floats, tie point (0, 0) = (500000, 5900000), 10 m; `type` 1 says that
+/// pixels are areas, 2 that they are points (GTRasterTypeGeoKey).
+std::string tiny_geotiff(int type) {
+  std::string out("II\x2a\0\x08\0\0\0", 8), after;
+  const auto put = [](std::string& to, auto value) {
+    to.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  };
+  constexpr std::uint16_t u16 = 3, u32 = 4, f64 = 12;
+  constexpr std::uint16_t entries = 13;
+  const std::uint32_t base = 8 + 2 + entries * 12 + 4;
+  put(out, entries);
+  const auto entry = [&](int tag, std::uint16_t kind, std::uint32_t count, std::uint32_t value) {
+    put(out, static_cast<std::uint16_t>(tag));
+    put(out, kind);
+    put(out, count);
+    put(out, value);
+  };
+  for (const double v : {10.0, 10.0, 0.0, 0.0, 0.0, 0.0, 500000.0, 5900000.0, 0.0}) put(after, v);
+  const auto keys = static_cast<std::uint32_t>(after.size());
+  for (const int v : {1, 1, 0, 3, 1024, 0, 1, 1, 1025, 0, 1, type, 3072, 0, 1, 32630})
+    put(after, static_cast<std::uint16_t>(v));
+  const auto pixels = static_cast<std::uint32_t>(after.size());
+  for (int i = 0; i < 12; ++i) put(after, static_cast<float>(100 + i * i));
+  entry(256, u32, 1, 4);              // width
+  entry(257, u32, 1, 3);              // height
+  entry(258, u16, 1, 32);             // bits
+  entry(259, u16, 1, 1);              // not compressed
+  entry(262, u16, 1, 1);              // black is zero
+  entry(273, u32, 1, base + pixels);  // where the strip lies
+  entry(277, u16, 1, 1);              // samples a pixel
+  entry(278, u32, 1, 3);              // rows a strip
+  entry(279, u32, 1, 48);             // bytes of the strip
+  entry(339, u16, 1, 3);              // floats
+  entry(33550, f64, 3, base);         // pixel scale
+  entry(33922, f64, 6, base + 24);    // tie point
+  entry(34735, u16, 16, base + keys);
+  put(out, std::uint32_t{0});
+  return out + after;
+}
+
+TEST(ReadDem, HonoursPixelIsPointInGeotiff) {
+  const Dem area = read_dem(written("area.tif", tiny_geotiff(1)));
+  const Dem point = read_dem(written("point.tif", tiny_geotiff(2)));
+  EXPECT_EQ(area.raster.placement.west, 500000);
+  EXPECT_EQ(area.raster.placement.north, 5900000);
+  EXPECT_EQ(point.raster.placement.west, 499995);
+  EXPECT_EQ(point.raster.placement.north, 5900005);
+  for (const Dem* dem : {&area, &point}) {
+    EXPECT_EQ(at(dem->raster, 3, 2), 221);
+    EXPECT_THAT(dem->raster.crs, HasSubstr("UTM zone 30N"));
+  }
+}
+
+TEST(ReadDem, SurvivesAnyDamage) {
+  const std::string good = tiny_geotiff(2);
+  for (unsigned seed = 0; seed < 400; ++seed) {
+    std::string bad = good;
+    unsigned h = seed * 2654435761u + 1;
+    for (int i = 0; i < 1 + static_cast<int>(seed % 4); ++i) {
+      h = h * 1664525u + 1013904223u;
+      bad[(h >> 8) % bad.size()] = static_cast<char>(h >> 24);
+    }
+    if (seed % 7 == 0) bad.resize((h >> 4) % bad.size());
+    const fs::path path = written("bad.tif", bad);
+    try {
+      DemOptions options;
+      options.window = {0, 0, 3, 3};
+      if (seed % 2) options.window.reset();
+      read_dem(path, options);
+    } catch (const Error& error) {
+      ASSERT_TRUE(error.kind() == ErrorKind::input || error.kind() == ErrorKind::usage)
+          << seed << error.what();
+    }
+  }
 }
 
 TEST(ReadDem, HeightmapsTakeTheUsersScale) {

@@ -14,7 +14,7 @@ class Stencil {
   Stencil(double dx, double dy)
       : wx_(dy / dx),
         wy_(dx / dy),
-        center_(4 * (wx_ + wy_) * (wx_ + wy_) + 2 * wx_ * wx_ + 2 * wy_ * wy_),
+        per_center_(1 / (4 * (wx_ + wy_) * (wx_ + wy_) + 2 * wx_ * wx_ + 2 * wy_ * wy_)),
         east_(4 * wx_ * (wx_ + wy_)),
         north_(4 * wy_ * (wx_ + wy_)),
         diagonal_(2 * wx_ * wy_) {}
@@ -45,11 +45,11 @@ class Stencil {
     const double rest = east_ * (v(-1) + v(1)) + north_ * (v(-w) + v(w)) -
                         diagonal_ * (v(-w - 1) + v(-w + 1) + v(w - 1) + v(w + 1)) -
                         wx_ * wx_ * (v(-2) + v(2)) - wy_ * wy_ * (v(-2 * w) + v(2 * w));
-    return std::isnan(rest) ? membrane(g, col, row) : rest / center_;
+    return std::isnan(rest) ? membrane(g, col, row) : rest * per_center_;
   }
 
  private:
-  double wx_, wy_, center_, east_, north_, diagonal_;
+  double wx_, wy_, per_center_, east_, north_, diagonal_;
 };
 
 /// Half the resolution, rounded up: the mean of up to four finite pixels, NaN where there is none.
