@@ -1,22 +1,29 @@
 #pragma once
-// Erosion effect and carving energies (document 003, section 6.1).
+// How strongly rock is carved (document 003, section 6.1), and the primitives that do it.
 
 #include <cmath>
 
 namespace tafoni::landforms {
 
-/// e(rho, sigma) = sigma (1 - rho) (1 - beta) + sigma beta: none without stress, beta for the hardest rock
-/// under full stress. All in [0, 1].
-inline double erosion_effect(double resistance, double stress, double beta) {
-  return stress * (1 - resistance) * (1 - beta) + stress * beta;
+/// e(rho, sigma) = sigma (1 - rho)(1 - beta) + sigma beta, in [0, 1]: no effect without stress, and beta on
+/// the hardest rock under full stress.
+constexpr double erosion_effect(double rho, double stress, double beta) {
+  return stress * (1 - rho) * (1 - beta) + stress * beta;
 }
 
-/// The energy a line of points `step` apart, each of falloff radius `reach`, needs so that, deep in rock
-/// where f = amplitude, it opens a tube of radius `open` < reach. The sum of the points' falloffs at distance
-/// r from the line is (32/35) (reach / step) (1 - (r / reach)^2)^(7/2), for a step well below the reach.
+/// The energy of each of a line of points `step` apart, of radius of influence `reach`, that opens a tube of
+/// radius `open` < reach where the rock's field is `amplitude` (deep inside). Their falloffs sum up to
+/// (32/35) (reach / step) (1 - (r / reach)^2)^(7/2) at distance r from a long line; for a step below reach
+/// / 2.
 inline double tube_energy(double amplitude, double open, double reach, double step) {
   const double q = 1 - (open / reach) * (open / reach);
   return amplitude * step * 35 / (32 * reach * std::pow(q, 3.5));
+}
+
+/// 0 below a, 1 above b, smooth between.
+inline double smoothstep(double a, double b, double x) {
+  const double t = x <= a ? 0 : x >= b ? 1 : (x - a) / (b - a);
+  return t * t * (3 - 2 * t);
 }
 
 }  // namespace tafoni::landforms

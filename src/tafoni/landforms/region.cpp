@@ -2,20 +2,41 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "tafoni/raster/resample.h"
 
 namespace tafoni::landforms {
 namespace {
 
-bool inside(const std::vector<Ring>& rings, double x, double y) {
-  bool in = false;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Even-odd over all rings together, so that a hole is just another ring.
+bool inside(const std::vector<Ring>& rings, Vec3d p) {
+  bool odd = false;
   for (const Ring& ring : rings)
     for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-      const Vec2d &a = ring[i], &b = ring[j];
-      if ((a.y > y) != (b.y > y) && x < a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x)) in = !in;
+      const Vec2d a = ring[i], b = ring[j];
+      if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * ((p.y - a.y) / (b.y - a.y))) odd = !odd;
     }
-  return in;
+  return odd;
+}
+
+bool covers(const raster::Raster& mask, Vec3d p) {
+  const Vec2d at = mask.placement.pixel(p.x, p.y);
+  return at.x >= -0.5 && at.y >= -0.5 && at.x <= mask.width() - 0.5 && at.y <= mask.height() - 0.5;
+}
+
+Box3d extent(const raster::Raster& mask) {
+  const raster::Placement& at = mask.placement;
+  return {{at.west, at.north - at.dy * mask.height(), -infinity},
+          {at.west + at.dx * mask.width(), at.north, infinity}};
+}
+
+void intersect(Box3d& a, const Box3d& b) {
+  a.lo = {std::max(a.lo.x, b.lo.x), std::max(a.lo.y, b.lo.y), std::max(a.lo.z, b.lo.z)};
+  a.hi = {std::min(a.hi.x, b.hi.x), std::min(a.hi.y, b.hi.y), std::min(a.hi.z, b.hi.z)};
 }
 
 }  // namespace
@@ -37,44 +58,38 @@ void Region::limit_mask(std::shared_ptr<const raster::Raster> mask) {
 }
 
 double Region::weight(Vec3d p) const {
-  for (const Altitude& a : altitudes_)
-    if (p.z < a.lo || p.z > a.hi) return 0;
+  for (const Altitude& range : altitudes_)
+    if (!(p.z >= range.lo && p.z <= range.hi)) return 0;
   for (const Box3d& box : boxes_)
     if (!box.contains(p)) return 0;
-  for (const auto& rings : polygons_)
-    if (!inside(rings, p.x, p.y)) return 0;
   double weight = 1;
   for (const auto& mask : masks_) {
-    const Vec2d q = mask->placement.pixel(p.x, p.y);
-    if (q.x < -0.5 || q.y < -0.5 || q.x > mask->width() - 0.5 || q.y > mask->height() - 0.5) return 0;
-    const double v = raster::sample_bilinear(*mask, p.x, p.y);
-    weight *= std::isfinite(v) ? std::clamp(v, 0.0, 1.0) : 0.0;
+    if (!covers(*mask, p)) return 0;
+    const double value = raster::sample_bilinear(*mask, p.x, p.y);
+    if (!(value > 0)) return 0;
+    weight *= std::min(value, 1.0);
   }
+  for (const auto& rings : polygons_)
+    if (!inside(rings, p)) return 0;
   return weight;
 }
 
 Box3d Region::bounds() const {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Box3d box{{-inf, -inf, -inf}, {inf, inf, inf}};
-  const auto cut = [&](const Box3d& by) {
-    box.lo = {std::max(box.lo.x, by.lo.x), std::max(box.lo.y, by.lo.y), std::max(box.lo.z, by.lo.z)};
-    box.hi = {std::min(box.hi.x, by.hi.x), std::min(box.hi.y, by.hi.y), std::min(box.hi.z, by.hi.z)};
-  };
-  for (const Altitude& a : altitudes_) cut({{-inf, -inf, a.lo}, {inf, inf, a.hi}});
-  for (const Box3d& b : boxes_) cut(b);
+  Box3d all{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+  for (const Altitude& range : altitudes_) {
+    all.lo.z = std::max(all.lo.z, range.lo);
+    all.hi.z = std::min(all.hi.z, range.hi);
+  }
+  for (const Box3d& box : boxes_) intersect(all, box);
+  for (const auto& mask : masks_) intersect(all, extent(*mask));
   for (const auto& rings : polygons_) {
-    Box3d hull;
+    Box3d box;
     for (const Ring& ring : rings)
-      for (const Vec2d& p : ring) hull.expand(Vec3d{p.x, p.y, 0});
-    hull.lo.z = -inf, hull.hi.z = inf;
-    cut(hull);
+      for (Vec2d p : ring) box.expand(Vec3d{p.x, p.y, 0});
+    if (box.empty()) return {};
+    intersect(all, {{box.lo.x, box.lo.y, -infinity}, {box.hi.x, box.hi.y, infinity}});
   }
-  for (const auto& mask : masks_) {
-    const auto& p = mask->placement;
-    cut(Box3d{{p.west, p.north - mask->height() * p.dy, -inf},
-              {p.west + mask->width() * p.dx, p.north, inf}});
-  }
-  return box;
+  return all;
 }
 
 }  // namespace tafoni::landforms

@@ -1,10 +1,8 @@
 #pragma once
-// A hash of points by cubic cells: who lies within a fixed distance, in time that does not grow with the
-// whole.
+// Points in space hashed by cell, for Poisson-sphere tests: constant time an insertion and a query.
 
 #include <cmath>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include "tafoni/core/random.h"
@@ -12,62 +10,89 @@
 
 namespace tafoni::landforms {
 
+/// Grows as points come. Queries of a radius up to half a cell look into 8 cells at most.
 class SpatialHash {
  public:
-  /// `cell`: the greatest distance any query will ask for, metres.
-  explicit SpatialHash(double cell) : inv_(1 / cell) {}
+  explicit SpatialHash(double cell, std::size_t expected = 64) : scale_(1 / cell) {
+    std::size_t slots = 64;
+    while (slots < 2 * expected) slots *= 2;
+    slots_.resize(slots);
+  }
 
   std::size_t size() const { return points_.size(); }
-  const Vec3d& operator[](std::uint32_t i) const { return points_[i]; }
+  Vec3d point(std::uint32_t id) const { return points_[id].position; }
 
+  /// The id of a point is its place in the order of insertion.
   std::uint32_t insert(Vec3d p) {
-    const auto i = static_cast<std::uint32_t>(points_.size());
-    points_.push_back(p);
-    const auto [at, fresh] = heads_.try_emplace(key(cell(p.x), cell(p.y), cell(p.z)), i);
-    next_.push_back(fresh ? none : at->second);
-    at->second = i;
-    return i;
+    if (2 * (used_ + 1) > slots_.size()) grow();
+    const Cell cell = cell_of(p);
+    Slot& slot = slots_[find(cell)];
+    if (slot.head == none) {
+      slot.cell = cell;
+      ++used_;
+    }
+    const auto id = static_cast<std::uint32_t>(points_.size());
+    points_.push_back({p, slot.head});
+    slot.head = id;
+    return id;
   }
 
-  /// visit(index, squared distance) for every point closer than `distance`; stops when it returns false.
-  template <class Visit>
-  void near(Vec3d p, double distance, const Visit& visit) const {
-    const double d2 = distance * distance;
-    for (std::int64_t z = cell(p.z - distance); z <= cell(p.z + distance); ++z)
-      for (std::int64_t y = cell(p.y - distance); y <= cell(p.y + distance); ++y)
-        for (std::int64_t x = cell(p.x - distance); x <= cell(p.x + distance); ++x) {
-          const auto at = heads_.find(key(x, y, z));
-          if (at == heads_.end()) continue;
-          for (std::uint32_t i = at->second; i != none; i = next_[i]) {
-            const Vec3d d = points_[i] - p;
-            const double r2 = dot(d, d);
-            if (r2 < d2 && !visit(i, r2)) return;
+  /// visit(id, squared distance) for every point nearer than `radius`, until it returns true; whether it did.
+  template <class F>
+  bool near(Vec3d p, double radius, F&& visit) const {
+    const Vec3d r{radius, radius, radius};
+    const Cell lo = cell_of(p - r), hi = cell_of(p + r);
+    for (std::int64_t z = lo.z; z <= hi.z; ++z)
+      for (std::int64_t y = lo.y; y <= hi.y; ++y)
+        for (std::int64_t x = lo.x; x <= hi.x; ++x)
+          for (std::uint32_t i = slots_[find({x, y, z})].head; i != none; i = points_[i].next) {
+            const Vec3d d = points_[i].position - p;
+            const double d2 = dot(d, d);
+            if (d2 < radius * radius && visit(i, d2)) return true;
           }
-        }
+    return false;
   }
 
-  bool free(Vec3d p, double distance) const {
-    bool free = true;
-    near(p, distance, [&](std::uint32_t, double) { return free = false; });
-    return free;
+  bool any_near(Vec3d p, double radius) const {
+    return near(p, radius, [](std::uint32_t, double) { return true; });
   }
 
  private:
   static constexpr std::uint32_t none = 0xffffffffu;
-  std::int64_t cell(double v) const { return static_cast<std::int64_t>(std::floor(v * inv_)); }
-  /// 21 bits an axis: two cells share a key only 2 million cells apart, which costs time and nothing else.
-  static std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z) {
-    const auto bits = [](std::int64_t v) { return static_cast<std::uint64_t>(v) & 0x1fffff; };
-    return bits(x) | bits(y) << 21 | bits(z) << 42;
-  }
-  struct Mix {
-    std::size_t operator()(std::uint64_t k) const { return mix64(k); }
+  using Cell = Vec3<std::int64_t>;
+  struct Slot {
+    Cell cell;
+    std::uint32_t head = none;
+  };
+  struct Entry {
+    Vec3d position;
+    std::uint32_t next;
   };
 
-  double inv_;
-  std::vector<Vec3d> points_;
-  std::vector<std::uint32_t> next_;
-  std::unordered_map<std::uint64_t, std::uint32_t, Mix> heads_;
+  Cell cell_of(Vec3d p) const {
+    return {static_cast<std::int64_t>(std::floor(p.x * scale_)),
+            static_cast<std::int64_t>(std::floor(p.y * scale_)),
+            static_cast<std::int64_t>(std::floor(p.z * scale_))};
+  }
+  std::size_t find(Cell c) const {
+    const std::uint64_t key = static_cast<std::uint64_t>(c.x) * 0x9e3779b97f4a7c15ull ^
+                              static_cast<std::uint64_t>(c.y) * 0xc2b2ae3d27d4eb4full ^
+                              static_cast<std::uint64_t>(c.z) * 0x165667b19e3779f9ull;
+    std::size_t i = mix64(key) & (slots_.size() - 1);
+    while (slots_[i].head != none && !(slots_[i].cell == c)) i = (i + 1) & (slots_.size() - 1);
+    return i;
+  }
+  void grow() {
+    std::vector<Slot> old(2 * slots_.size());
+    old.swap(slots_);
+    for (const Slot& slot : old)
+      if (slot.head != none) slots_[find(slot.cell)] = slot;
+  }
+
+  double scale_;
+  std::vector<Slot> slots_;
+  std::vector<Entry> points_;
+  std::size_t used_ = 0;
 };
 
 }  // namespace tafoni::landforms

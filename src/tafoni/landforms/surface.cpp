@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/spatial_hash.h"
@@ -10,117 +11,170 @@
 namespace tafoni::landforms {
 namespace {
 
-using field::chunk_cells;
-
 struct Candidate {
-  Vec3d position;
+  SurfacePoint point;
   std::uint64_t priority;
 };
 
-/// One jittered candidate in every cell that the surface crosses.
-void cells_of(const field::ChunkSamples& chunk, double cell, const Box3d& box, std::uint64_t seed,
-              const std::function<bool(Vec3d)>& keep, std::vector<Candidate>& out) {
-  for (int bz = 0; bz < field::chunk_bricks; ++bz)
-    for (int by = 0; by < field::chunk_bricks; ++by)
-      for (int bx = 0; bx < field::chunk_bricks; ++bx) {
-        if (!chunk.brick(bx, by, bz)) continue;
-        for (int n = 0; n < 512; ++n) {
-          const int i = bx * 8 + (n & 7), j = by * 8 + (n >> 3 & 7), k = bz * 8 + (n >> 6);
-          int solid = 0;
-          for (int c = 0; c < 8; ++c) solid += chunk.at(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)) > 0;
-          if (solid == 0 || solid == 8) continue;
-          const std::int64_t x = std::int64_t{chunk.chunk.x} * chunk_cells + i,
-                             y = std::int64_t{chunk.chunk.y} * chunk_cells + j,
-                             z = std::int64_t{chunk.chunk.z} * chunk_cells + k;
-          const Vec3d middle{(static_cast<double>(x) + 0.5) * cell, (static_cast<double>(y) + 0.5) * cell,
-                             (static_cast<double>(z) + 0.5) * cell};
-          if (!box.contains(middle) || !keep(middle)) continue;
-          Random random(
-              hash_combine(hash_combine(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y)),
-                           static_cast<std::uint64_t>(z)),
-              seed);
-          const auto jitter = [&] { return random.uniform(-0.5, 0.5) * cell; };
-          const Vec3d offset{jitter(), jitter(), jitter()};
-          out.push_back({middle + offset, random.next()});
-        }
-      }
-}
+constexpr int tries = 2;  ///< candidates a cell
+constexpr int newton_steps = 4;
 
-/// Newton steps along the gradient; a candidate that does not arrive keeps a zero normal.
-std::vector<SurfacePoint> projected(const field::CompiledField& field,
-                                    const std::vector<Candidate>& candidates, double spacing) {
-  const std::size_t n = candidates.size();
-  std::vector<Vec3d> points(n);
-  std::vector<float> f(n);
-  std::vector<Vec3f> g(n);
-  for (std::size_t i = 0; i < n; ++i) points[i] = candidates[i].position;
-  constexpr int steps = 5;
-  for (int step = 0; step < steps; ++step) {
-    field.gradients(points, f, g);
-    for (std::size_t i = 0; i < n; ++i) {
-      const Vec3d grad = to_double(g[i]);
-      const double g2 = std::max(dot(grad, grad), 1e-4);
-      Vec3d move = grad * (-static_cast<double>(f[i]) / g2);
-      const double far = length(move);
-      if (far > 0.5 * spacing) move = move * (0.5 * spacing / far);
-      points[i] += move;
+/// All candidates of one column of chunks.
+class ColumnSampler {
+ public:
+  ColumnSampler(const field::CompiledField& field, const SurfaceSampling& settings, double voxel)
+      : field_(field), settings_(settings), voxel_(voxel), evaluator_(field, voxel) {}
+
+  std::vector<Candidate> sample(int a, int b, Progress& progress) {
+    const auto range = evaluator_.column(a, b);
+    const double chunk = voxel_ * field::chunk_cells;
+    const int first = std::max(range.first, static_cast<int>(std::floor(settings_.box.lo.z / chunk)));
+    const int last = std::min(range.last, static_cast<int>(std::floor(settings_.box.hi.z / chunk)));
+    for (int c = first; c <= last; ++c) {
+      progress.check();
+      if (evaluator_.evaluate(c, samples_)) {
+        scatter();
+        project();
+      }
+    }
+    return std::move(result_);
+  }
+
+ private:
+  /// Jittered points in the cells that the surface cuts.
+  void scatter() {
+    points_.clear();
+    keys_.clear();
+    for (int bz = 0; bz < field::chunk_bricks; ++bz)
+      for (int by = 0; by < field::chunk_bricks; ++by)
+        for (int bx = 0; bx < field::chunk_bricks; ++bx)
+          if (samples_.brick(bx, by, bz)) scatter_brick(bx, by, bz);
+  }
+
+  void scatter_brick(int bx, int by, int bz) {
+    constexpr int n = field::brick_cells;
+    for (int k = bz * n; k < (bz + 1) * n; ++k)
+      for (int j = by * n; j < (by + 1) * n; ++j)
+        for (int i = bx * n; i < (bx + 1) * n; ++i)
+          if (is_cut(i, j, k)) scatter_cell(i, j, k);
+  }
+
+  bool is_cut(int i, int j, int k) const {
+    int solid = 0;
+    for (int corner = 0; corner < 8; ++corner)
+      solid += samples_.at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2)) > 0;
+    return solid != 0 && solid != 8;
+  }
+
+  void scatter_cell(int i, int j, int k) {
+    const Vec3<std::int64_t> cell{std::int64_t{samples_.chunk.x} * field::chunk_cells + i,
+                                  std::int64_t{samples_.chunk.y} * field::chunk_cells + j,
+                                  std::int64_t{samples_.chunk.z} * field::chunk_cells + k};
+    const Vec3d lo =
+        Vec3d{static_cast<double>(cell.x), static_cast<double>(cell.y), static_cast<double>(cell.z)} * voxel_;
+    const Box3d grown{lo - Vec3d{voxel_, voxel_, voxel_}, lo + Vec3d{2 * voxel_, 2 * voxel_, 2 * voxel_}};
+    if (!settings_.box.overlaps(grown)) return;
+    const std::uint64_t key =
+        hash_combine(hash_combine(hash_combine(settings_.seed, static_cast<std::uint64_t>(cell.x)),
+                                  static_cast<std::uint64_t>(cell.y)),
+                     static_cast<std::uint64_t>(cell.z));
+    Random random(key);
+    for (int t = 0; t < tries; ++t) {
+      const Vec3d jitter{random.uniform(), random.uniform(), random.uniform()};
+      points_.push_back(lo + jitter * voxel_);
+      keys_.push_back(random.next());
     }
   }
-  field.gradients(points, f, g);
-  std::vector<SurfacePoint> out(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3d grad = to_double(g[i]);
-    const double slope = length(grad);
-    const bool arrived = slope > 1e-3 && std::fabs(f[i]) < 0.01 * spacing * slope &&
-                         length(points[i] - candidates[i].position) < 1.5 * spacing;
-    out[i] = {points[i], arrived ? grad * (-1 / slope) : Vec3d{}};
+
+  /// Newton steps along the gradient; keeps what arrives near its own cell.
+  void project() {
+    const std::size_t n = points_.size();
+    start_ = points_;
+    values_.resize(n);
+    gradients_.resize(n);
+    for (int step = 0; step < newton_steps; ++step) {
+      field_.gradients(points_, values_, gradients_);
+      for (std::size_t i = 0; i < n; ++i) {
+        const Vec3d g = to_double(gradients_[i]);
+        const double g2 = dot(g, g);
+        if (g2 < 1e-12) continue;
+        Vec3d move = g * (-static_cast<double>(values_[i]) / g2);
+        const double length_of = length(move);
+        if (length_of > voxel_) move = move * (voxel_ / length_of);
+        points_[i] += move;
+      }
+    }
+    field_.gradients(points_, values_, gradients_);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double g = length(to_double(gradients_[i]));
+      if (!(std::abs(static_cast<double>(values_[i])) < 0.01 * settings_.spacing * g)) continue;
+      const Vec3d moved = points_[i] - start_[i];
+      if (dot(moved, moved) > 4 * voxel_ * voxel_ || !settings_.box.contains(points_[i])) continue;
+      const SurfacePoint point{points_[i], gradients_[i] * static_cast<float>(-1 / g)};
+      if (!settings_.accept || settings_.accept(point)) result_.push_back({point, keys_[i]});
+    }
   }
-  return out;
+
+  const field::CompiledField& field_;
+  const SurfaceSampling& settings_;
+  double voxel_;
+  field::ChunkEvaluator evaluator_;
+  field::ChunkSamples samples_;
+  std::vector<Vec3d> points_, start_;
+  std::vector<std::uint64_t> keys_;
+  std::vector<float> values_;
+  std::vector<Vec3f> gradients_;
+  std::vector<Candidate> result_;
+};
+
+std::vector<SurfacePoint> throw_darts(std::vector<Candidate>& candidates, double spacing,
+                                      Progress& progress) {
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.priority < b.priority; });
+  SpatialHash hash(2 * spacing, candidates.size() / 8);
+  std::vector<SurfacePoint> kept;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (i % 4096 == 0) progress.check();
+    const SurfacePoint& point = candidates[i].point;
+    if (hash.any_near(point.position, spacing)) continue;
+    hash.insert(point.position);
+    kept.push_back(point);
+  }
+  return kept;
 }
 
 }  // namespace
 
-std::vector<SurfacePoint> sample_surface(const field::CompiledField& field, const Box3d& box, double spacing,
-                                         std::uint64_t seed, const std::function<bool(Vec3d)>& keep,
+std::vector<SurfacePoint> sample_surface(const field::CompiledField& field, const SurfaceSampling& settings,
                                          Progress& progress) {
-  if (!(spacing > 0)) fail(ErrorKind::usage, "the spacing of samples must be a positive length in metres");
-  if (box.empty()) return {};
-  const double cell = 0.75 * spacing, size = cell * chunk_cells;
-  const auto index = [&](double v) { return static_cast<std::int64_t>(std::floor(v / size)); };
-  const std::int64_t x0 = index(box.lo.x), x1 = index(box.hi.x), y0 = index(box.lo.y), y1 = index(box.hi.y);
-  const std::int64_t columns = (x1 - x0 + 1) * (y1 - y0 + 1);
-  std::vector<std::vector<Candidate>> found(static_cast<std::size_t>(columns));
-  const double z0 = std::floor(box.lo.z / size), z1 = std::floor(box.hi.z / size);
+  if (settings.box.empty()) return {};
+  // With cells of half the spacing, a surface point is at most a cell's diagonal from the candidates of its
+  // cell and these at most the spacing from a sample: together below twice the spacing.
+  const double voxel = 0.5 * settings.spacing;
+  const double chunk = voxel * field::chunk_cells;
+  const auto index = [chunk](double v) { return std::floor(v / chunk); };
+  const double a0 = index(settings.box.lo.x), b0 = index(settings.box.lo.y);
+  const double across = index(settings.box.hi.x) - a0 + 1, along = index(settings.box.hi.y) - b0 + 1;
+  if (!(across * along <= 4194304.0))
+    fail(ErrorKind::usage,
+         "a spacing of {} m is too small for a region of {:.0f} by {:.0f} m; choose a larger one",
+         settings.spacing, settings.box.size().x, settings.box.size().y);
+  const auto columns = static_cast<std::int64_t>(across), count = columns * static_cast<std::int64_t>(along);
+  std::vector<std::vector<Candidate>> parts(static_cast<std::size_t>(count));
+  progress.begin("sampling the surface", static_cast<std::uint64_t>(count), "tiles");
   parallel_for(
-      columns,
-      [&](std::int64_t c) {
-        field::ChunkEvaluator evaluator(field, cell);
-        field::ChunkSamples chunk;
-        auto range = evaluator.column(static_cast<int>(x0 + c % (x1 - x0 + 1)),
-                                      static_cast<int>(y0 + c / (x1 - x0 + 1)));
-        for (int k = std::max(range.first, static_cast<int>(z0));
-             k <= std::min(range.last, static_cast<int>(z1)); ++k)
-          if (evaluator.evaluate(k, chunk))
-            cells_of(chunk, cell, box, seed, keep, found[static_cast<std::size_t>(c)]);
+      count,
+      [&](std::int64_t i) {
+        ColumnSampler sampler(field, settings, voxel);
+        parts[static_cast<std::size_t>(i)] =
+            sampler.sample(static_cast<int>(a0) + static_cast<int>(i % columns),
+                           static_cast<int>(b0) + static_cast<int>(i / columns), progress);
       },
       progress);
-
-  std::vector<Candidate> candidates;
-  for (auto& f : found) candidates.insert(candidates.end(), f.begin(), f.end());
-  // Darts are thrown in an order of their own, so that no sweep shows in the pattern.
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    return std::tie(a.priority, a.position.x, a.position.y, a.position.z) <
-           std::tie(b.priority, b.position.x, b.position.y, b.position.z);
-  });
-  const std::vector<SurfacePoint> points = projected(field, candidates, spacing);
-  SpatialHash taken(spacing);
-  std::vector<SurfacePoint> out;
-  for (const SurfacePoint& p : points) {
-    if (p.normal == Vec3d{} || !box.contains(p.position) || !taken.free(p.position, spacing)) continue;
-    taken.insert(p.position);
-    out.push_back(p);
-  }
-  return out;
+  progress.end();
+  std::vector<Candidate> all;
+  for (auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return throw_darts(all, settings.spacing, progress);
 }
 
 }  // namespace tafoni::landforms

@@ -1,5 +1,5 @@
 #pragma once
-// Poisson-sphere sampling of an implicit surface (document 003, section 6.1).
+// Poisson-sphere samples on an implicit surface, whatever its shape: flats, faces, overhangs, cave walls.
 
 #include <cstdint>
 #include <functional>
@@ -12,16 +12,23 @@
 namespace tafoni::landforms {
 
 struct SurfacePoint {
-  Vec3d position;  ///< on f = 0 to within a hundredth of the spacing
-  Vec3d normal;    ///< unit, from rock to air
+  Vec3d position;  ///< local, on f = 0
+  Vec3f normal;    ///< unit, out of the rock
 };
 
-/// Points of the surface inside `box` (local metres), none closer than `spacing` to another and, where `keep`
-/// holds all around, no place of the surface farther than about twice that from one. `keep(p)` may refuse a
-/// candidate cheaply before it is projected; it is given the middle of a cell of 0.75 spacing. Independent of
-/// threads.
-std::vector<SurfacePoint> sample_surface(const field::CompiledField& field, const Box3d& box, double spacing,
-                                         std::uint64_t seed, const std::function<bool(Vec3d)>& keep,
+struct SurfaceSampling {
+  double spacing = 2;  ///< metres: no two samples are nearer, no accepted surface is twice as far from one
+  Box3d box;           ///< local, finite; only surface in it is sampled
+  std::uint64_t seed = 0;
+  /// Whether a place may hold a sample; null: all may. Called from many threads.
+  std::function<bool(const SurfacePoint&)> accept;
+};
+
+/// Blue noise on f = 0 (document 003, section 6.1): jittered candidates in every lattice cell that the
+/// surface cuts, projected along the gradient, thinned by dart throwing in an order that depends on the seed
+/// alone. In the order of acceptance, so every prefix is well spread too. Throws Error{usage} for a spacing
+/// so small that the box has more than 2^22 lattice columns of 64 x 64 cells.
+std::vector<SurfacePoint> sample_surface(const field::CompiledField& field, const SurfaceSampling& settings,
                                          Progress& progress = silent());
 
 }  // namespace tafoni::landforms

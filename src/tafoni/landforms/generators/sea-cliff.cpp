@@ -1,218 +1,309 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/erosion.h"
+#include "tafoni/landforms/impl/ground.h"
+#include "tafoni/landforms/impl/joints.h"
+#include "tafoni/landforms/impl/sea_caves.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/surface.h"
-#include "tafoni/math/noise.h"
-#include "tafoni/raster/distance.h"
-#include "tafoni/raster/resample.h"
 #include "tafoni/terrain/analysis.h"
 
 namespace tafoni::landforms {
 namespace {
 
+using impl::Attack;
+using impl::CaveSettings;
+using impl::CaveTube;
+using impl::Ground;
+using impl::Joints;
+using impl::SeaCaves;
+
 struct Params {
   double sea_level = 0;
   double range = 8;
   std::int64_t steps = 3;
-  double depth = 2.4;
-  double radius = 4.5;
+  double retreat = 3.5;
+  double radius = 5;
+  double spacing = 2.2;
   double beta = 0.12;
   double threshold = 0.06;
-  double reach = 30;
-  double openness = 20;
-  double steepness = 45;
-  double joints = 0.6;
-  double joint_spacing = 35;
-  double roughness = 0.35;
+  double accessibility = 0.5;
+  double accessibility_radius = 20;
+  double slope = 35;
+  double joints = 0.7;
+  double joint_spacing = 22;
+  double roughness = 0.3;
+  double cave_spacing = 45;
+  double cave_length = 25;
+  double cave_radius = 2.5;
 };
 
-ParamTable<Params> table() {
-  ParamTable<Params> t;
-  t.real("sea_level", &Params::sea_level, "m", -500, 9000, "elevation of the mean sea level")
-      .real("range", &Params::range, "m", 0.1, 500, "how far above and below the sea level the waves act")
-      .integer("steps", &Params::steps, "", 1, 20, "erosion steps; each acts on the rock the last one left")
-      .real("depth", &Params::depth, "m", 0.01, 100,
-            "what one step takes off the softest rock under full stress")
-      .real("radius", &Params::radius, "m", 0.1, 200, "radius of the eroding spheres of the first step")
-      .real("beta", &Params::beta, "", 0, 1, "share of the effect that the hardest rock still suffers")
-      .real("threshold", &Params::threshold, "", 0, 1, "effects below this leave no primitive")
-      .real("reach", &Params::reach, "m", 0, 10000, "how far from open water a face still feels the waves")
-      .real("openness", &Params::openness, "m", 0.5, 1000,
-            "radius at which a place counts as wholly accessible")
-      .real("steepness", &Params::steepness, "deg", 0, 90, "slope at which a face is cut in full; flats stay")
-      .real("joints", &Params::joints, "", 0, 1,
-            "how much joints weaken the rock: they become sea caves and arches")
-      .real("joint_spacing", &Params::joint_spacing, "m", 1, 5000, "mean distance between joints")
-      .real("roughness", &Params::roughness, "", 0, 0.6,
-            "noise of the spheres' metric, as a share of the radius");
-  return t;
+const ParamTable<Params>& table() {
+  static const ParamTable<Params> params = [] {
+    ParamTable<Params> t;
+    t.real("sea_level", &Params::sea_level, "m", -12000, 10000, "mean elevation of the sea")
+        .real("range", &Params::range, "m", 0.5, 200, "how far above and below the sea level waves act")
+        .integer("steps", &Params::steps, "", 1, 12, "times that the sea acts on the shape it has left")
+        .real("retreat", &Params::retreat, "m", 0.1, 100,
+              "about how deep one step cuts into the softest rock under full stress")
+        .real("radius", &Params::radius, "m", 0.2, 100, "reach of one carving primitive of the first step")
+        .real("spacing", &Params::spacing, "m", 0.1, 50,
+              "least distance between primitives of the first step")
+        .real("beta", &Params::beta, "", 0, 1, "effect of full stress on the most resistant rock")
+        .real("threshold", &Params::threshold, "", 0, 1, "erosion effect below which nothing is carved")
+        .real("accessibility", &Params::accessibility, "", 0, 1,
+              "how much sheltered places are spared, 0 for not at all")
+        .real("accessibility_radius", &Params::accessibility_radius, "m", 1, 200,
+              "size of open space before a place that counts as fully exposed")
+        .real("slope", &Params::slope, "deg", 0, 85,
+              "ground gentler than this is beach or platform and is kept")
+        .real("joints", &Params::joints, "", 0, 1, "how much vertical joints weaken the rock")
+        .real("joint_spacing", &Params::joint_spacing, "m", 1, 1000, "mean distance between joints")
+        .real("roughness", &Params::roughness, "", 0, 0.8,
+              "strength of the noise in a primitive's metric, as a share of its radius")
+        .real("cave_spacing", &Params::cave_spacing, "m", 0, 10000,
+              "least distance between sea caves along the coast, 0 for none")
+        .real("cave_length", &Params::cave_length, "m", 1, 500,
+              "length of caves, and thickness up to which a headland is pierced to an arch")
+        .real("cave_radius", &Params::cave_radius, "m", 0.3, 50, "half the width of a cave's passage");
+    return t;
+  }();
+  return params;
 }
 
-double smoothstep(double from, double to, double x) {
-  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
+/// Steps get finer: later ones etch beds and joints into what the first has cut.
+double scale_of_step(std::int64_t step) {
+  return std::max(0.4, std::pow(0.78, static_cast<double>(step)));
 }
 
-/// Metres to open water, from every pixel: cells below the sea level and cells without data, unless they are
-/// small ponds that touch neither the border nor missing data.
-raster::Raster water_distance(const Site& site, double level) {
-  const raster::Raster& heights = *site.heights;
-  raster::Grid<std::uint8_t> water(heights.width(), heights.height());
-  for (int row = 0; row < heights.height(); ++row)
-    for (int col = 0; col < heights.width(); ++col)
-      water.at(col, row) = (site.valid && !site.valid->at(col, row)) || heights.values.at(col, row) < level;
-
-  constexpr double pond = 2000;  // m^2
-  raster::Grid<std::uint8_t> seen(heights.width(), heights.height());
-  const double pixel = heights.placement.dx * heights.placement.dy;
-  std::vector<Vec2<int>> lake;
-  for (int row = 0; row < heights.height(); ++row)
-    for (int col = 0; col < heights.width(); ++col) {
-      if (!water.at(col, row) || seen.at(col, row)) continue;
-      lake.assign(1, {col, row});
-      seen.at(col, row) = 1;
-      bool open = false;
-      for (std::size_t i = 0; i < lake.size(); ++i) {
-        const auto [x, y] = lake[i];
-        open = open || x == 0 || y == 0 || x + 1 == heights.width() || y + 1 == heights.height() ||
-               (site.valid && !site.valid->at(x, y));
-        for (const auto& [dx, dy] : {Vec2<int>{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
-          if (water.inside(x + dx, y + dy) && water.at(x + dx, y + dy) && !seen.at(x + dx, y + dy)) {
-            seen.at(x + dx, y + dy) = 1;
-            lake.push_back({x + dx, y + dy});
-          }
-      }
-      if (open || static_cast<double>(lake.size()) * pixel >= pond) continue;
-      for (const auto& [x, y] : lake) water.at(x, y) = 0;
-    }
-  raster::Raster out{{}, heights.placement, {}};
-  out.values = raster::signed_distance(water, heights.placement.dx, heights.placement.dy);
-  for (float& d : out.values.values()) d = std::isfinite(d) ? std::max(-d, 0.f) : 1e9f;
-  return out;
-}
-
-class Waves {
+class SeaCliff {
  public:
-  Waves(const Site& site, const Params& p, Progress& progress)
-      : site_(site), p_(p), level_(p.sea_level - site.origin.z), water_(water_distance(site, level_)) {
-    open_ = {terrain::accessibility(*site.heights, {p.openness}, progress), site.heights->placement, {}};
-  }
+  SeaCliff(const Site& site, const Params& p, Progress& progress)
+      : p_(p),
+        ground_(site),
+        joints_(p.joint_spacing, std::max(1.2, 0.1 * p.joint_spacing), hash_combine(site.seed, 0x4a)),
+        sea_z_(p.sea_level - site.origin.z),
+        tree_(site.terrain),
+        progress_(progress) {}
 
-  double level() const { return level_; }
-
-  bool may_reach(Vec3d p) const {
-    return std::fabs(p.z - level_) <= p_.range && (!site_.region || site_.region->contains(p)) &&
-           raster::sample_bilinear(water_, p.x, p.y) <= p_.reach;
-  }
-  /// sigma = w alpha (document 003, section 6.1), times what keeps the waves to steep faces near open water.
-  double stress(const SurfacePoint& s) const {
-    const Vec3d& p = s.position;
-    const double dz = (p.z - level_) / p_.range;
-    if (std::fabs(dz) >= 1) return 0;
-    const double w = (1 - dz * dz) * (1 - dz * dz);
-    const double flat = std::cos(p_.steepness * std::numbers::pi / 180);
-    const double steep = 1 - smoothstep(flat, std::min(flat + 0.25, 1.0), s.normal.z);
-    const double near =
-        1 - smoothstep(0.6 * p_.reach, p_.reach + 1e-6, raster::sample_bilinear(water_, p.x, p.y));
-    const double alpha = 0.35 + 0.65 * raster::sample_bilinear(open_, p.x, p.y);
-    return w * alpha * steep * near * (site_.region ? site_.region->weight(p) : 1.0);
-  }
-  /// 1 in the middle of a joint, 0 between joints. Joints are steep sheets: two families of noise's zero
-  /// sets.
-  double joint(Vec3d p) const {
-    const Vec3d world = p + site_.origin;
-    double most = 0;
-    for (std::uint64_t family = 0; family < 2; ++family) {
-      const double l = 1.6 * p_.joint_spacing;
-      const double t =
-          fbm({world.x / l, world.y / l, world.z / (6 * l)}, 2, hash_combine(site_.seed, 100 + family));
-      most = std::max(most, 1 - smoothstep(0.012, 0.05, std::fabs(t - 0.5)));
-    }
-    return most;
+  Result run() {
+    Result result;
+    if (band().empty()) return report(std::move(result));
+    open_ = exposure();
+    for (std::int64_t step = 0; step < p_.steps; ++step) add(notch(step), result);
+    if (p_.cave_spacing > 0) add(caves(), result);
+    return report(std::move(result));
   }
 
  private:
-  const Site& site_;
-  const Params& p_;
-  double level_;
-  raster::Raster water_, open_;
-};
+  Box3d band() const {
+    Box3d box = ground_.box();
+    box.lo.z = std::max(box.lo.z, sea_z_ - p_.range);
+    box.hi.z = std::min(box.hi.z, sea_z_ + p_.range);
+    return box;
+  }
 
-/// Energy of a sheet of points, `spacing` apart and of falloff radius `reach`, that moves a plane surface by
-/// `depth`: depth = E n (pi reach^2 / 4) (1 - (depth / reach)^2)^4 with n = 0.7 / spacing^2 points a square
-/// metre.
-double sheet_energy(double depth, double reach, double spacing) {
-  const double q = 1 - depth * depth / (reach * reach);
-  return depth * spacing * spacing / (0.7 * std::numbers::pi / 4 * reach * reach * q * q * q * q);
-}
+  void add(field::NodePtr node, Result& result) {
+    if (!node) return;
+    result.nodes.push_back(node);
+    tree_ = field::combine("blend", {tree_, std::move(node)});
+  }
+
+  /// Miller's accessibility, the best within a few metres: the foot of a straight cliff is no sheltered nook.
+  raster::Raster exposure() {
+    const raster::Raster& heights = *ground_.site().heights;
+    raster::Raster open;
+    open.placement = heights.placement;
+    if (p_.accessibility <= 0) return open;
+    const auto grid = terrain::accessibility(heights, {p_.accessibility_radius}, progress_);
+    const int reach =
+        std::clamp(static_cast<int>(std::lround(0.25 * p_.accessibility_radius / ground_.pixel())), 0, 6);
+    open.values = raster::Grid<float>(grid.width(), grid.height());
+    parallel_blocks(grid.height(), 16, [&](std::int64_t begin, std::int64_t end) {
+      for (int row = static_cast<int>(begin); row < end; ++row)
+        for (int col = 0; col < grid.width(); ++col) {
+          float best = 0;
+          for (int r = std::max(0, row - reach); r <= std::min(grid.height() - 1, row + reach); ++r)
+            for (int c = std::max(0, col - reach); c <= std::min(grid.width() - 1, col + reach); ++c)
+              best = std::max(best, grid.at(c, r));
+          open.values.at(col, row) = best;
+        }
+    });
+    return open;
+  }
+
+  double accessibility(Vec3d p) const {
+    if (open_.values.empty()) return 1;
+    const Vec2d at = open_.placement.pixel(p.x, p.y);
+    const int col = std::clamp(static_cast<int>(std::lround(at.x)), 0, open_.width() - 1);
+    const int row = std::clamp(static_cast<int>(std::lround(at.y)), 0, open_.height() - 1);
+    return 1 - p_.accessibility * (1 - open_.values.at(col, row));
+  }
+
+  /// 1 on faces, 0 on ground gentler than the limit; ceilings give way less than walls, so that notches
+  /// grow inward rather than upward.
+  double steepness(Vec3f normal) const {
+    const double limit = std::cos(p_.slope * 3.14159265358979323846 / 180);
+    const double nz = static_cast<double>(normal.z);
+    return smoothstep(0, 0.35, limit - nz) * (nz < 0 ? 1 + 0.65 * nz : 1);
+  }
+
+  /// sigma = w alpha (document 003, section 6.1), spared where the ground is a platform.
+  double stress(const SurfacePoint& at) const {
+    const double u = (at.position.z - sea_z_) / p_.range;
+    if (u * u >= 1) return 0;
+    return (1 - u * u) * accessibility(at.position) * steepness(at.normal) * ground_.weight(at.position);
+  }
+
+  double effect(const SurfacePoint& at) const {
+    const double rho = ground_.resistance(at.position) *
+                       (1 - p_.joints * joints_.weakness(at.position + ground_.site().origin));
+    return erosion_effect(rho, stress(at), p_.beta);
+  }
+
+  std::vector<Attack> attacked(const field::CompiledField& field, double spacing, std::uint64_t stream) {
+    SurfaceSampling sampling;
+    sampling.spacing = spacing;
+    sampling.box = band();
+    sampling.seed = hash_combine(ground_.site().seed, stream);
+    sampling.accept = [this](const SurfacePoint& at) {
+      return steepness(at.normal) > 0 && ground_.usable(at.position);
+    };
+    const auto points = sample_surface(field, sampling, progress_);
+    std::vector<Attack> attacks(points.size());
+    parallel_blocks(static_cast<std::int64_t>(points.size()), 256, [&](std::int64_t begin, std::int64_t end) {
+      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+        attacks[i] = {points[i], effect(points[i])};
+    });
+    std::erase_if(attacks, [this](const Attack& a) { return a.effect < p_.threshold; });
+    return attacks;
+  }
+
+  /// Lifts a primitive that would dig into the platform before the cliff.
+  std::vector<double> lifts(const field::CompiledField& field, const std::vector<Attack>& attacks,
+                            double radius) const {
+    constexpr std::size_t probes = 6;
+    const double want = 0.7 * radius;
+    std::vector<Vec3d> points;
+    for (const Attack& a : attacks) {
+      const Vec3d before = a.at.position + to_double(a.at.normal) * (0.35 * radius);
+      for (std::size_t k = 0; k < probes; ++k)
+        points.push_back(before - Vec3d{0, 0, want * static_cast<double>(k + 1) / probes});
+    }
+    std::vector<float> values(points.size());
+    field.values(points, values);
+    std::vector<double> lift(attacks.size(), 0.0);
+    for (std::size_t i = 0; i < attacks.size(); ++i)
+      for (std::size_t k = 0; k < probes; ++k)
+        if (values[i * probes + k] > 0) {
+          lift[i] = want * (1 - static_cast<double>(k) / probes);
+          break;
+        }
+    return lift;
+  }
+
+  field::NodePtr notch(std::int64_t step) {
+    const field::CompiledField field = field::compile(tree_);
+    const double scale = scale_of_step(step);
+    const double radius = p_.radius * scale, spacing = std::min(p_.spacing * scale, 0.75 * radius);
+    const auto attacks = attacked(field, spacing, static_cast<std::uint64_t>(step));
+    if (attacks.empty()) return nullptr;
+    const auto lift = lifts(field, attacks, radius);
+    field::CloudSettings settings;
+    settings.noise = {p_.roughness * radius * 0.8, 0.9 * radius, 3,
+                      hash_combine(ground_.site().seed, 0x6e + static_cast<std::uint64_t>(step))};
+    field::CloudBuilder cloud(settings);
+    // Dart throwing leaves about 0.7 samples a spacing squared, and a primitive on a plane integrates to
+    // E pi R^2 / 4 over it: so many times E is what the sum takes from the field at the surface.
+    const double overlap = 0.7 * 0.785 * (radius / spacing) * (radius / spacing);
+    Random random(ground_.site().seed, 0x100 + static_cast<std::uint64_t>(step));
+    for (std::size_t i = 0; i < attacks.size(); ++i) {
+      const Attack& a = attacks[i];
+      const double r = radius * random.uniform(0.8, 1.2);
+      const Vec3d center = a.at.position + Vec3d{0, 0, lift[i]};
+      if (!ground_.usable(center)) continue;
+      add_point(cloud, center, r, -p_.retreat * a.effect / std::max(1.0, overlap));
+      primitives_ += 1;
+      strongest_ = std::max(strongest_, a.effect);
+    }
+    return cloud.size() ? cloud.finish() : nullptr;
+  }
+
+  field::NodePtr caves() {
+    const field::CompiledField field = field::compile(tree_);
+    auto attacks = attacked(field, p_.spacing, 0x77);
+    std::erase_if(attacks, [this](const Attack& a) {
+      return std::abs(a.at.position.z - sea_z_) > 0.6 * p_.range || std::abs(a.at.normal.z) > 0.75f;
+    });
+    CaveSettings settings;
+    settings.sea_z = sea_z_;
+    settings.spacing = p_.cave_spacing;
+    settings.length = p_.cave_length;
+    settings.radius = p_.cave_radius;
+    settings.roughness = p_.roughness;
+    settings.joints = p_.joints;
+    settings.seed = hash_combine(ground_.site().seed, 0xca);
+    made_ = sea_caves(field, ground_, joints_, std::move(attacks), settings, progress_);
+    if (made_.tubes.empty()) return nullptr;
+    field::CloudBuilder cloud{field::CloudSettings{}};
+    Random random(settings.seed, 1);
+    for (const CaveTube& tube : made_.tubes) bore(cloud, tube, random);
+    return cloud.size() ? cloud.finish() : nullptr;
+  }
+
+  /// A tube as a line of points, unevenly wide, so that its walls are not turned on a lathe.
+  void bore(field::CloudBuilder& cloud, const CaveTube& tube, Random& random) {
+    const double reach = 1.6 * tube.radius, step = 0.5 * tube.radius;
+    const double energy = tube_energy(ground_.site().amplitude, tube.radius, reach, step);
+    const double span = length(tube.to - tube.from);
+    const int n = std::max(1, static_cast<int>(std::lround(span / step)));
+    for (int i = 0; i < n; ++i) {
+      const double wobble = p_.roughness * tube.radius;
+      const Vec3d jitter{random.uniform(-wobble, wobble), random.uniform(-wobble, wobble),
+                         random.uniform(-wobble, wobble)};
+      const Vec3d at = tube.from + (tube.to - tube.from) * ((i + 0.5) / n) + jitter;
+      if (!ground_.usable(at)) continue;
+      add_point(cloud, at, reach * random.uniform(0.85, 1.15), -energy * span / (n * step));
+      ++primitives_;
+    }
+  }
+
+  Result report(Result result) const {
+    result.report.emplace_back("primitives", primitives_);
+    result.report.emplace_back("strongest effect", strongest_);
+    result.report.emplace_back("caves", static_cast<std::int64_t>(made_.mouths.size()));
+    result.report.emplace_back("arches", static_cast<std::int64_t>(made_.arches));
+    result.report.emplace_back("cave passage m", made_.length);
+    return result;
+  }
+
+  const Params& p_;
+  Ground ground_;
+  Joints joints_;
+  double sea_z_;
+  field::NodePtr tree_;
+  Progress& progress_;
+  raster::Raster open_;
+  SeaCaves made_;
+  std::int64_t primitives_ = 0;
+  double strongest_ = 0;
+};
 
 Result generate(const Site& site, const Values& values, Progress& progress) {
   Params p;
-  const std::vector<ParamInfo> infos = table();
-  assign(infos, &p, values, "sea-cliff");
-  const Waves waves(site, p, progress);
-  Box3d box;
-  const auto& place = site.heights->placement;
-  box.expand(Vec3d{place.west, place.north - site.heights->height() * place.dy, waves.level() - p.range});
-  box.expand(Vec3d{place.west + site.heights->width() * place.dx, place.north, waves.level() + p.range});
-
-  Result result;
-  std::int64_t points = 0, weak = 0;
-  double energy_sum = 0;
-  for (std::int64_t step = 0; step < p.steps; ++step) {
-    progress.begin("sea-cliff: step " + std::to_string(step + 1) + " of " + std::to_string(p.steps));
-    std::vector<field::NodePtr> ground{site.terrain};
-    ground.insert(ground.end(), result.nodes.begin(), result.nodes.end());
-    const field::CompiledField field = field::compile(field::combine("blend", ground));
-    const double radius = p.radius * std::pow(0.85, static_cast<double>(step));
-    const double spacing = 0.5 * radius;
-    const auto samples = sample_surface(
-        field, box, spacing, hash_combine(site.seed, static_cast<std::uint64_t>(step)),
-        [&](Vec3d q) { return waves.may_reach(q); }, progress);
-
-    field::CloudSettings settings;
-    settings.noise = {p.roughness * radius, 0.8 * radius, 3, hash_combine(site.seed, 7)};
-    field::CloudBuilder cloud(settings);
-    Random random(site.seed, 1000 + static_cast<std::uint64_t>(step));
-    for (const SurfacePoint& s : samples) {
-      const double jitter = random.uniform(0.8, 1.2);
-      const double joint = p.joints * waves.joint(s.position);
-      const double resistance = site.geology->resistance(s.position) * (1 - joint);
-      const double effect = erosion_effect(resistance, waves.stress(s), p.beta);
-      if (effect < p.threshold) continue;
-      const double reach = radius * jitter * (1 + 0.6 * joint);
-      const double depth = std::min(p.depth * effect * (1 + 1.2 * joint), 0.62 * reach);
-      // The sphere sits a little inside the rock, level with the point: waves cut sideways.
-      const Vec3d inward = normalized(Vec3d{-s.normal.x, -s.normal.y, 0});
-      const double energy = sheet_energy(depth, reach, spacing);
-      add_point(cloud, s.position + inward * (0.35 * depth), reach, -energy);
-      ++points;
-      weak += joint > 0.3;
-      energy_sum += energy;
-    }
-    if (cloud.size() > 0) result.nodes.push_back(cloud.finish());
-    progress.end();
-  }
-  if (points == 0)
-    progress.warn(
-        "sea-cliff found no steep face within its range of the sea level near open water; nothing was "
-        "eroded");
-  result.report = {{"primitives", points},
-                   {"in_joints", weak},
-                   {"mean_energy", points ? energy_sum / static_cast<double>(points) : 0.0}};
-  return result;
+  assign(table().infos(), &p, values, "sea-cliff");
+  return SeaCliff(site, p, progress).run();
 }
 
 }  // namespace
 
 const LandformType& landform_sea_cliff() {
   static const LandformType type{
-      "sea-cliff", "Undercuts cliffs at the sea: wave-cut notches, sea caves, arches where rock is weak",
-      "document 003, section 6.1", table(), &generate};
+      "sea-cliff", "Wave-cut notches, overhanging cliffs, sea caves and arches about the sea level",
+      "Paris et al. 2019, section 6.1", table().infos(), &generate};
   return type;
 }
 

@@ -1,0 +1,35 @@
+#pragma once
+// What every generator asks of its site: where it may act, and how hard the rock is.
+
+#include "tafoni/landforms/landform.h"
+
+namespace tafoni::landforms::impl {
+
+class Ground {
+ public:
+  explicit Ground(const Site& site);
+
+  const Site& site() const { return site_; }
+  /// The raster's outline and the heights' range grown by R, cut by the region; empty when nothing is left.
+  const Box3d& box() const { return box_; }
+  double pixel() const { return pixel_; }
+  /// Inside the raster, on real data, and in the region.
+  bool usable(Vec3d p) const;
+  /// The same, and farther than `margin` from the raster's outline and from missing data.
+  bool usable(Vec3d p, double margin) const;
+  /// The region's weight; 1 without a region.
+  double weight(Vec3d p) const;
+  /// rho in [0, 1]; 1/2 without a geology.
+  double resistance(Vec3d p) const;
+  /// Elevation of the raster, local metres.
+  double height(double x, double y) const;
+
+ private:
+  bool on_data(double x, double y) const;
+
+  const Site& site_;
+  Box3d outline_, box_;
+  double pixel_;
+};
+
+}  // namespace tafoni::landforms::impl

@@ -1,0 +1,31 @@
+#pragma once
+// Joints: near-vertical planes of weakness in two directions, along which the sea opens clefts and caves.
+
+#include <array>
+#include <cstdint>
+
+#include "tafoni/math/vec.h"
+
+namespace tafoni::landforms::impl {
+
+class Joints {
+ public:
+  /// `spacing`: mean distance between the joints of a set, metres; `width`: half-width of the weak rock.
+  Joints(double spacing, double width, std::uint64_t seed);
+  /// 0 in sound rock, up to 1 in the middle of a joint.
+  double weakness(Vec3d p) const;
+  /// Unit direction of the set of joints that lies nearest to `wanted` (horizontal).
+  Vec3d along(Vec3d wanted) const;
+
+ private:
+  struct Set {
+    Vec3d across, along;
+    std::uint64_t seed;
+  };
+  double weakness(const Set& set, Vec3d p) const;
+
+  double spacing_, width_;
+  std::array<Set, 2> sets_;
+};
+
+}  // namespace tafoni::landforms::impl
