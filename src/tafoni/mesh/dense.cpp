@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "tafoni/core/error.h"
+#include "tafoni/mesh/impl/arena.h"
 #include "tafoni/mesh/impl/block.h"
 #include "tafoni/mesh/impl/lattice.h"
 
@@ -56,6 +57,37 @@ struct DenseSink {
   }
 };
 
+/// The solid bits of every sample: an eighth of a byte each, so that the grid itself is streamed once.
+std::vector<std::uint64_t> all_signs(const DenseGrid& g) {
+  const std::size_t words = static_cast<std::size_t>((g.nx + 63) / 64);
+  const std::size_t rows = static_cast<std::size_t>(g.ny) * static_cast<std::size_t>(g.nz);
+  std::vector<std::uint64_t> bits(words * rows);
+  for (std::size_t row = 0; row < rows; ++row)
+    impl::signs(g.samples + row * static_cast<std::size_t>(g.nx), g.nx, bits.data() + row * words);
+  return bits;
+}
+
+/// Reserves the output: vertices exactly, triangles as many as a surface of few borders and handles has.
+void reserve_output(const DenseGrid& g, const std::vector<std::uint64_t>& bits, bool normals, Mesh& out) {
+  const std::size_t row = static_cast<std::size_t>((g.nx + 63) / 64),
+                    plane = row * static_cast<std::size_t>(g.ny);
+  std::uint64_t vertices = impl::count_differences(bits.data(), bits.data() + plane, bits.size() - plane);
+  for (std::size_t at = 0; at < bits.size(); at += plane)
+    vertices += impl::count_differences(bits.data() + at, bits.data() + at + row, plane - row);
+  std::vector<std::uint64_t> next(row);
+  const std::uint64_t last = std::uint64_t{1} << ((g.nx - 1) & 63);
+  for (std::size_t at = 0; at < bits.size(); at += row) {
+    for (std::size_t w = 0; w < row; ++w)
+      next[w] = (bits[at + w] >> 1) | (w + 1 < row ? bits[at + w + 1] << 63 : 0);
+    // The last sample of a row has no edge.
+    next[row - 1] = (next[row - 1] & ~last) | (bits[at + row - 1] & last);
+    vertices += impl::count_differences(bits.data() + at, next.data(), row);
+  }
+  impl::reserve_large(out.positions, vertices);
+  if (normals) impl::reserve_large(out.normals, vertices);
+  impl::reserve_large(out.triangles, 2 * vertices + vertices / 32 + 64);
+}
+
 }  // namespace
 
 void polygonize_grid(const DenseGrid& grid, bool normals, Mesh& out) {
@@ -69,6 +101,8 @@ void polygonize_grid(const DenseGrid& grid, bool normals, Mesh& out) {
   out.normals.clear();
   out.colors.clear();
   out.triangles.clear();
+  const std::vector<std::uint64_t> bits = all_signs(grid);
+  reserve_output(grid, bits, normals, out);
   DenseSink sink{grid, out, normals};
   sink.plane.row_step = grid.nx;
   sink.plane.plane_step = grid.nx * grid.ny;
@@ -77,7 +111,7 @@ void polygonize_grid(const DenseGrid& grid, bool normals, Mesh& out) {
   sink.plane.margin = impl::margin_for(4096);
   impl::BlockWalker walker;
   walker.walk(grid.samples, grid.nx, grid.ny, grid.nz, grid.nx,
-              static_cast<std::ptrdiff_t>(grid.nx) * grid.ny, AllCells(grid), sink);
+              static_cast<std::ptrdiff_t>(grid.nx) * grid.ny, AllCells(grid), sink, bits.data());
 }
 
 }  // namespace tafoni::mesh

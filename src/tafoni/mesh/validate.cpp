@@ -59,58 +59,17 @@ void check_edges(const std::vector<Triangle>& triangles, std::size_t vertices, M
                       });
 }
 
-/// Triangles by vertex: those of vertex v are list[first[v]] to list[first[v + 1]].
-struct Incidence {
-  std::vector<std::uint64_t> first;
-  std::vector<std::uint32_t> list;
-};
-Incidence incidence(const std::vector<Triangle>& triangles, std::size_t vertices) {
-  Incidence out;
-  out.first.assign(vertices + 1, 0);
-  for (const Triangle& t : triangles)
-    for (auto v : t) ++out.first[v + 1];
-  for (std::size_t v = 0; v < vertices; ++v) out.first[v + 1] += out.first[v];
-  out.list.resize(out.first[vertices]);
-  std::vector<std::uint64_t> next(out.first.begin(), out.first.end() - 1);
-  for (std::size_t i = 0; i < triangles.size(); ++i)
-    for (auto v : triangles[i]) out.list[next[v]++] = static_cast<std::uint32_t>(i);
-  return out;
-}
-
-/// Counts the fans of triangles around a vertex that hang together by shared edges.
-std::size_t fans(const std::vector<Triangle>& triangles, std::span<const std::uint32_t> around,
-                 std::uint32_t vertex, std::vector<std::uint32_t>& rim, impl::Sets& sets,
-                 std::vector<std::uint32_t>& sorted) {
-  rim.clear();
-  for (auto i : around)
-    for (auto v : triangles[i])
-      if (v != vertex) rim.push_back(v);
-  sorted = rim;
-  std::sort(sorted.begin(), sorted.end());
-  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
-  const auto place = [&](std::uint32_t v) {
-    return static_cast<std::uint32_t>(std::lower_bound(sorted.begin(), sorted.end(), v) - sorted.begin());
-  };
-  sets.reset(sorted.size());
-  for (std::size_t i = 0; i < rim.size(); i += 2) sets.join(place(rim[i]), place(rim[i + 1]));
-  std::size_t count = 0;
-  for (std::uint32_t i = 0; i < sorted.size(); ++i) count += sets.root(i) == i;
-  return count;
-}
-
 void check_vertices(const Mesh& mesh, const std::vector<Triangle>& triangles, MeshReport& report) {
-  const Incidence around = incidence(triangles, mesh.positions.size());
-  std::vector<std::uint32_t> rim, sorted;
-  impl::Sets sets(0);
+  const impl::Incidence around = impl::incidence(triangles, mesh.positions.size());
+  impl::FanCounter fans;
   std::vector<Triangle> keys;
   for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
-    const std::span<const std::uint32_t> here(around.list.data() + around.first[v],
-                                              around.first[v + 1] - around.first[v]);
+    const std::span<const std::uint32_t> here = around.at(v);
     if (here.empty()) {
       ++report.unused_vertices;
       continue;
     }
-    if (fans(triangles, here, v, rim, sets, sorted) > 1) ++report.non_manifold_vertices;
+    if (fans.count(triangles, here, v) > 1) ++report.non_manifold_vertices;
     // Each triangle is compared once, at its lowest vertex.
     keys.clear();
     for (auto i : here) {

@@ -4,8 +4,8 @@
 
 namespace tafoni::mesh::impl {
 
-void BlockWalker::read_signs(const float* plane, std::ptrdiff_t row_step, Layer below, Layer above,
-                             PlaneRows& out) {
+void BlockWalker::read_signs(const float* plane, std::ptrdiff_t row_step, const std::uint64_t* known,
+                             Layer below, Layer above, PlaneRows& out) {
   for (int j = 0; j < ny_; ++j) {
     std::uint64_t around = 0;
     for (int w = 0; w < words_; ++w)
@@ -13,7 +13,10 @@ void BlockWalker::read_signs(const float* plane, std::ptrdiff_t row_step, Layer 
                 above.at(j - 1, w, ny_, words_) | above.at(j, w, ny_, words_);
     out.used[static_cast<std::size_t>(j)] = around != 0;
     if (!around) continue;
-    signs(plane + j * row_step, nx_, bits_.data());
+    if (known)
+      std::copy_n(known + j * words_, words_, bits_.begin());
+    else
+      signs(plane + j * row_step, nx_, bits_.data());
     RowWord* row = out.words.data() + j * words_;
     for (int w = 0; w < words_; ++w) {
       const auto at = static_cast<std::size_t>(w);

@@ -25,9 +25,11 @@ struct PlaneOutput {
 /// `void triangles(const PlaneOutput&)`, for the layer below plane k; both in order of k.
 class BlockWalker {
  public:
+  /// `signs`: the solid bits of all samples, (nx + 63) / 64 words a row, where they are known already; or
+  /// null.
   template <class Cells, class Sink>
   void walk(const float* f, int nx, int ny, int nz, std::ptrdiff_t row_step, std::ptrdiff_t plane_step,
-            const Cells& cells, Sink& sink);
+            const Cells& cells, Sink& sink, const std::uint64_t* signs = nullptr);
 
   std::uint64_t cut_cells() const { return cut_; }
   std::uint32_t vertex_count() const { return count_; }
@@ -45,7 +47,8 @@ class BlockWalker {
     std::vector<std::uint8_t> used;  ///< by row: some cell around it is looked at, so its samples are valid
   };
 
-  void read_signs(const float* plane, std::ptrdiff_t row_step, Layer below, Layer above, PlaneRows& out);
+  void read_signs(const float* plane, std::ptrdiff_t row_step, const std::uint64_t* signs, Layer below,
+                  Layer above, PlaneRows& out);
   void find_edges(Layer below, Layer above, PlaneRows& plane, const PlaneRows& next_plane);
   void list_edges(PlaneRows& plane);
 
@@ -59,7 +62,8 @@ class BlockWalker {
 
 template <class Cells, class Sink>
 void BlockWalker::walk(const float* f, int nx, int ny, int nz, std::ptrdiff_t row_step,
-                       std::ptrdiff_t plane_step, const Cells& cells, Sink& sink) {
+                       std::ptrdiff_t plane_step, const Cells& cells, Sink& sink,
+                       const std::uint64_t* signs) {
   nx_ = nx, ny_ = ny, words_ = (nx + 63) / 64;
   count_ = 0, cut_ = 0;
   for (PlaneRows& plane : planes_) {
@@ -70,11 +74,15 @@ void BlockWalker::walk(const float* f, int nx, int ny, int nz, std::ptrdiff_t ro
   const auto layer = [&](int k) { return Layer{cells.layer(k) ? cells.rows(k) : nullptr}; };
   const auto plane = [&](int k) -> PlaneRows& { return planes_[k % 3]; };
   const std::size_t most = 15 * 64 * static_cast<std::size_t>(ny) * static_cast<std::size_t>(words_);
+  const auto read = [&](int k) {
+    const std::uint64_t* known = signs ? signs + static_cast<std::ptrdiff_t>(k) * ny * words_ : nullptr;
+    read_signs(f + k * plane_step, row_step, known, layer(k - 1), layer(k), plane(k));
+  };
   for (int k = 0; k < nz; ++k) {
     const Layer below = layer(k - 1), above = layer(k);
     if (!below.rows && !above.rows) continue;
-    if (!below.rows) read_signs(f + k * plane_step, row_step, below, above, plane(k));
-    if (above.rows) read_signs(f + (k + 1) * plane_step, row_step, above, layer(k + 1), plane(k + 1));
+    if (!below.rows) read(k);
+    if (above.rows) read(k + 1);
     find_edges(below, above, plane(k), plane(k + 1));
     output_.keys.clear();
     output_.first = count_;

@@ -1,5 +1,7 @@
 #include "tafoni/mesh/impl/kernels.h"
 
+#include <algorithm>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tafoni/mesh/impl/kernels.cpp"
 #include <hwy/foreach_target.h>
@@ -31,6 +33,13 @@ void signs_kernel(const float* f, int samples, std::uint64_t* words) {
     for (; i < end; ++i) word |= static_cast<std::uint64_t>(f[begin + i] > 0.0f) << i;
     *words++ = word;
   }
+}
+
+std::uint64_t differences_kernel(const std::uint64_t* a, const std::uint64_t* b, std::size_t words) {
+  std::uint64_t count = 0;
+  for (std::size_t w = 0; w < words; ++w)
+    count += static_cast<std::uint64_t>(__builtin_popcountll(a[w] ^ b[w]));
+  return count;
 }
 
 using F = hn::ScalableTag<float>;
@@ -82,82 +91,115 @@ HWY_INLINE void store_points(Doubles x, Doubles y, Doubles z, double* out) {
 }
 #endif
 
-struct Gradient {
-  FloatVec x, y, z;
+// Gather instructions are slower than plain loads on most processors, so samples are collected one by one
+// into short columns first, then worked on by whole vectors.
+constexpr std::size_t batch = 64;
+struct Columns {
+  alignas(64) float f0[batch], f1[batch];
+  alignas(64) float gradient[2][3][batch];  ///< by end and axis: twice the difference per edge
 };
 
-/// Difference of the samples on both sides along one axis, per cell; one-sided at the grid's faces.
-HWY_INLINE FloatVec difference(const float* f, IntVec at, IntVec index, int count, int step) {
-  const F df;
-  const I di;
-  const auto zero = hn::Zero(di), steps = hn::Set(di, step);
-  const auto first = hn::Eq(index, zero);
-  const auto last = hn::Eq(index, hn::Set(di, count - 1));
-  const auto before = hn::Sub(at, hn::IfThenZeroElse(first, steps));
-  const auto after = hn::Add(at, hn::IfThenZeroElse(last, steps));
-  const auto span = hn::Sub(hn::GatherIndex(df, f, after), hn::GatherIndex(df, f, before));
-  const auto border = hn::RebindMask(df, hn::Or(first, last));
-  return hn::Mul(span, hn::IfThenElse(border, hn::Set(df, 1.0f), hn::Set(df, 0.5f)));
+HWY_INLINE void collect_ends(const Plane& p, const EdgeKey* keys, std::size_t n, Columns& out) {
+  const std::ptrdiff_t steps[] = {1, p.row_step, p.plane_step};
+  for (std::size_t v = 0; v < n; ++v) {
+    const EdgeKey key = keys[v];
+    const float* at = p.f + key_i(key) + static_cast<std::ptrdiff_t>(key_j(key)) * p.row_step;
+    out.f0[v] = at[0];
+    out.f1[v] = at[steps[key_axis(key)]];
+  }
 }
 
-HWY_INLINE Gradient gradient(const Plane& p, IntVec at, IntVec i, IntVec j, IntVec k) {
-  return {difference(p.f, at, i, p.nx, 1), difference(p.f, at, j, p.ny, p.row_step),
-          difference(p.f, at, k, p.nz, p.plane_step)};
+/// Along one axis; one-sided at the grid's faces.
+HWY_INLINE float difference(const float* at, int index, int count, std::ptrdiff_t step) {
+  if (index == 0) return 2 * (at[step] - at[0]);
+  if (index == count - 1) return 2 * (at[0] - at[-step]);
+  return at[step] - at[-step];
+}
+
+HWY_INLINE void collect_gradients(const Plane& p, const EdgeKey* keys, std::size_t n, Columns& out) {
+  const std::ptrdiff_t row = p.row_step, layer = p.plane_step, steps[] = {1, row, layer};
+  const auto within = [](int index, int count) {
+    return static_cast<unsigned>(index - 1) < static_cast<unsigned>(std::max(count - 3, 0));
+  };
+  const bool inner_plane = within(p.k, p.nz);
+  for (std::size_t v = 0; v < n; ++v) {
+    const int i = key_i(keys[v]), j = key_j(keys[v]), axis = key_axis(keys[v]);
+    const float* ends[2];
+    ends[0] = p.f + i + static_cast<std::ptrdiff_t>(j) * row;
+    ends[1] = ends[0] + steps[axis];
+    if (inner_plane && within(i, p.nx) && within(j, p.ny)) {
+      for (int e = 0; e < 2; ++e) {
+        const float* at = ends[e];
+        out.gradient[e][0][v] = at[1] - at[-1];
+        out.gradient[e][1][v] = at[row] - at[-row];
+        out.gradient[e][2][v] = at[layer] - at[-layer];
+      }
+      continue;
+    }
+    for (int e = 0; e < 2; ++e) {
+      out.gradient[e][0][v] = difference(ends[e], i + (axis == 0 ? e : 0), p.nx, 1);
+      out.gradient[e][1][v] = difference(ends[e], j + (axis == 1 ? e : 0), p.ny, row);
+      out.gradient[e][2][v] = difference(ends[e], p.k + (axis == 2 ? e : 0), p.nz, layer);
+    }
+  }
 }
 
 /// Minus the gradient, of unit length; where it vanishes, the edge's own direction towards air.
-HWY_INLINE void store_normals(Gradient a, Gradient b, FloatVec t, IntVec axis, FloatVec f0, float* out) {
+HWY_INLINE void store_normals(const Columns& c, std::size_t v, FloatVec t, IntVec axis, FloatVec f0,
+                              float* out) {
   const F df;
   const I di;
-  const auto mix = [&](FloatVec u, FloatVec v) HWY_ATTR { return hn::Add(u, hn::Mul(t, hn::Sub(v, u))); };
-  const auto x = mix(a.x, b.x), y = mix(a.y, b.y), z = mix(a.z, b.z);
+  const auto mix = [&](std::size_t along) HWY_ATTR {
+    const auto a = hn::LoadU(df, c.gradient[0][along] + v), b = hn::LoadU(df, c.gradient[1][along] + v);
+    return hn::Add(a, hn::Mul(t, hn::Sub(b, a)));
+  };
+  const auto x = mix(0), y = mix(1), z = mix(2);
   const auto squared = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
   const auto good = hn::Gt(squared, hn::Set(df, 1e-30f));
   const auto scale = hn::Div(hn::Set(df, -1.0f), hn::Sqrt(squared));
   const auto toward_air = hn::IfThenElse(hn::Gt(f0, hn::Zero(df)), hn::Set(df, 1.0f), hn::Set(df, -1.0f));
-  const auto pick = [&](FloatVec v, int wanted) HWY_ATTR {
+  const auto pick = [&](FloatVec value, int wanted) HWY_ATTR {
     const auto along = hn::RebindMask(df, hn::Eq(axis, hn::Set(di, wanted)));
-    return hn::IfThenElse(good, hn::Mul(v, scale), hn::IfThenElseZero(along, toward_air));
+    return hn::IfThenElse(good, hn::Mul(value, scale), hn::IfThenElseZero(along, toward_air));
   };
   hn::StoreInterleaved3(pick(x, 0), pick(y, 1), pick(z, 2), df, out);
 }
 
-void place_kernel(const Plane& plane, const EdgeKey* keys, std::size_t n, float* positions, double* points,
-                  float* normals) {
+void place_batch(const Plane& plane, const EdgeKey* keys, const Columns& columns, std::size_t n,
+                 float* positions, double* points, float* normals) {
   const F df;
   const I di;
-  const std::size_t lanes = hn::Lanes(df);
-
   const auto low = hn::Set(df, plane.margin), high = hn::Set(df, 1.0f - plane.margin);
-  const auto row = hn::Set(di, plane.row_step), layer = hn::Set(di, plane.plane_step);
-  for (std::size_t v = 0; v < n; v += lanes) {
+  for (std::size_t v = 0; v < n; v += hn::Lanes(df)) {
     const auto key = hn::LoadU(di, reinterpret_cast<const std::int32_t*>(keys + v));
     const auto field = hn::Set(di, 0xfff);
     const auto i = hn::And(key, field), j = hn::And(hn::ShiftRight<12>(key), field);
     const auto axis = hn::ShiftRight<24>(key);
-    const auto on_x = hn::Eq(axis, hn::Zero(di)), on_y = hn::Eq(axis, hn::Set(di, 1));
-    const auto on_z = hn::Eq(axis, hn::Set(di, 2));
-    const auto at = hn::Add(i, hn::Mul(j, row));
-    const auto other = hn::Add(at, hn::IfThenElse(on_x, hn::Set(di, 1), hn::IfThenElse(on_y, row, layer)));
-    const auto f0 = hn::GatherIndex(df, plane.f, at), f1 = hn::GatherIndex(df, plane.f, other);
+    const auto f0 = hn::LoadU(df, columns.f0 + v), f1 = hn::LoadU(df, columns.f1 + v);
     const auto ratio = hn::Div(f0, hn::Sub(f0, f1));
     const auto sane = hn::IfThenElse(hn::Eq(ratio, ratio), ratio, hn::Set(df, 0.5f));
     const auto t = hn::Min(hn::Max(sane, low), high);
-    const auto tx = hn::IfThenElseZero(hn::RebindMask(df, on_x), t);
-    const auto ty = hn::IfThenElseZero(hn::RebindMask(df, on_y), t);
-    const auto tz = hn::IfThenElseZero(hn::RebindMask(df, on_z), t);
-    const auto x = coordinate(i, tx, plane.i0, plane.voxel), y = coordinate(j, ty, plane.j0, plane.voxel);
-    const auto z = coordinate(hn::Zero(di), tz, plane.level, plane.voxel);
+    const auto along = [&](int wanted) HWY_ATTR {
+      return hn::IfThenElseZero(hn::RebindMask(df, hn::Eq(axis, hn::Set(di, wanted))), t);
+    };
+    const auto x = coordinate(i, along(0), plane.i0, plane.voxel);
+    const auto y = coordinate(j, along(1), plane.j0, plane.voxel);
+    const auto z = coordinate(hn::Zero(di), along(2), plane.level, plane.voxel);
     hn::StoreInterleaved3(rounded(x), rounded(y), rounded(z), df, positions + 3 * v);
     if (points) store_points(x, y, z, points + 3 * v);
-    if (normals) {
-      const auto unit = hn::Set(di, 1), k = hn::Set(di, plane.k);
-      const auto add = [&](IntVec a, auto mask)
-                           HWY_ATTR { return hn::Add(a, hn::IfThenElseZero(mask, unit)); };
-      store_normals(gradient(plane, at, i, j, k),
-                    gradient(plane, other, add(i, on_x), add(j, on_y), add(k, on_z)), t, axis, f0,
-                    normals + 3 * v);
-    }
+    if (normals) store_normals(columns, v, t, axis, f0, normals + 3 * v);
+  }
+}
+
+void place_kernel(const Plane& plane, const EdgeKey* keys, std::size_t n, float* positions, double* points,
+                  float* normals) {
+  Columns columns{};
+  for (std::size_t v = 0; v < n; v += batch) {
+    const std::size_t count = std::min(batch, n - v);
+    collect_ends(plane, keys + v, count, columns);
+    if (normals) collect_gradients(plane, keys + v, count, columns);
+    place_batch(plane, keys + v, columns, count, positions + 3 * v, points ? points + 3 * v : nullptr,
+                normals ? normals + 3 * v : nullptr);
   }
 }
 
@@ -208,6 +250,7 @@ HWY_AFTER_NAMESPACE();
 namespace tafoni::mesh::impl {
 
 HWY_EXPORT(signs_kernel);
+HWY_EXPORT(differences_kernel);
 HWY_EXPORT(place_kernel);
 HWY_EXPORT(triangles_kernel);
 
@@ -228,6 +271,10 @@ const LaneCase* lane_cases() {
 
 void signs(const float* f, int samples, std::uint64_t* words) {
   HWY_DYNAMIC_DISPATCH(signs_kernel)(f, samples, words);
+}
+
+std::uint64_t count_differences(const std::uint64_t* a, const std::uint64_t* b, std::size_t words) {
+  return HWY_DYNAMIC_DISPATCH(differences_kernel)(a, b, words);
 }
 
 void place(const Plane& plane, const EdgeKey* keys, std::size_t n, float* positions, double* points,

@@ -18,6 +18,9 @@ struct alignas(64) RowWord {
 /// Bits of f > 0 of `samples` samples; the bits beyond them in the last word are 0.
 void signs(const float* f, int samples, std::uint64_t* words);
 
+/// Number of places in which two runs of words differ.
+std::uint64_t count_differences(const std::uint64_t* a, const std::uint64_t* b, std::size_t words);
+
 /// A vertex within a plane of samples: column i, row j and axis of its edge.
 using EdgeKey = std::uint32_t;
 constexpr EdgeKey edge_key(int i, int j, int axis) {

@@ -43,6 +43,56 @@ class Sets {
   std::vector<std::uint32_t> parents_;
 };
 
+/// Triangles by vertex.
+struct Incidence {
+  std::vector<std::uint64_t> first;
+  std::vector<std::uint32_t> list;
+
+  std::span<const std::uint32_t> at(std::size_t vertex) const {
+    return {list.data() + first[vertex], static_cast<std::size_t>(first[vertex + 1] - first[vertex])};
+  }
+};
+inline Incidence incidence(std::span<const Triangle> triangles, std::size_t vertices) {
+  Incidence out;
+  out.first.assign(vertices + 1, 0);
+  for (const Triangle& t : triangles)
+    for (auto v : t) ++out.first[v + 1];
+  for (std::size_t v = 0; v < vertices; ++v) out.first[v + 1] += out.first[v];
+  out.list.resize(out.first[vertices]);
+  std::vector<std::uint64_t> next(out.first.begin(), out.first.end() - 1);
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (auto v : triangles[i]) out.list[next[v]++] = static_cast<std::uint32_t>(i);
+  return out;
+}
+
+/// Counts the fans of triangles around a vertex that hang together by shared edges.
+class FanCounter {
+ public:
+  std::size_t count(std::span<const Triangle> triangles, std::span<const std::uint32_t> around,
+                    std::uint32_t vertex) {
+    rim_.clear();
+    for (auto i : around)
+      for (auto v : triangles[i])
+        if (v != vertex) rim_.push_back(v);
+    sorted_ = rim_;
+    std::sort(sorted_.begin(), sorted_.end());
+    sorted_.erase(std::unique(sorted_.begin(), sorted_.end()), sorted_.end());
+    const auto place = [&](std::uint32_t v) {
+      return static_cast<std::uint32_t>(std::lower_bound(sorted_.begin(), sorted_.end(), v) -
+                                        sorted_.begin());
+    };
+    sets_.reset(sorted_.size());
+    for (std::size_t i = 0; i + 1 < rim_.size(); i += 2) sets_.join(place(rim_[i]), place(rim_[i + 1]));
+    std::size_t fans = 0;
+    for (std::uint32_t i = 0; i < sorted_.size(); ++i) fans += sets_.root(i) == i;
+    return fans;
+  }
+
+ private:
+  std::vector<std::uint32_t> rim_, sorted_;
+  Sets sets_{0};
+};
+
 template <class Body>
 void for_each_edge(std::span<const Triangle> triangles, std::size_t vertices, const Body& body) {
   // Half edges in buckets by their lower vertex: twice the higher vertex, plus one if it runs downward.

@@ -1,0 +1,126 @@
+#include "tafoni/mesh/simplify.h"
+
+#include <cmath>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+#include "tafoni/mesh/impl/patches.h"
+
+namespace tafoni::mesh {
+namespace {
+
+using impl::Patch;
+using impl::Triangle;
+
+constexpr std::size_t patch_triangles = 20000, least_patch = 1000;
+constexpr int most_halvings = 4;
+
+std::vector<Triangle> joined(const std::vector<Patch>& patches) {
+  std::size_t total = 0;
+  for (const Patch& p : patches) total += p.result.size();
+  std::vector<Triangle> out;
+  out.reserve(total);
+  for (const Patch& p : patches) out.insert(out.end(), p.result.begin(), p.result.end());
+  return out;
+}
+
+void collapse_all(std::span<const Vec3f> positions, std::vector<Patch>& patches, double error,
+                  Progress& progress) {
+  parallel_for(
+      static_cast<std::int64_t>(patches.size()),
+      [&](std::int64_t p) {
+        Patch& patch = patches[static_cast<std::size_t>(p)];
+        if (patch.result.empty()) impl::collapse(positions, patch, std::ldexp(error, -patch.halvings));
+      },
+      progress);
+}
+
+/// Edge collapse can pinch the surface, within a patch or between two that share border vertices. Such
+/// patches are done again in smaller parts, and in the end left as they were; the given surface is sound, so
+/// this ends. Returns whether there was anything to mend.
+bool mend(std::span<const Vec3f> positions, std::vector<Patch>& patches) {
+  const std::vector<bool> broken = impl::broken_vertices(positions, joined(patches));
+  std::vector<Patch> next;
+  bool mended = false;
+  for (Patch& patch : patches) {
+    bool bad = false;
+    for (const Triangle& t : patch.result) bad = bad || broken[t[0]] || broken[t[1]] || broken[t[2]];
+    if (!bad || patch.rejected) {
+      next.push_back(std::move(patch));
+      continue;
+    }
+    mended = true;
+    std::vector<Patch> parts;
+    if (patch.given.size() > least_patch)
+      parts = impl::cut(positions, patch.given, patch.given.size() / 4, 0.25);
+    if (parts.size() > 1) {
+      for (Patch& part : parts) next.push_back(std::move(part));
+      continue;
+    }
+    patch.result.clear();
+    if (++patch.halvings > most_halvings) {
+      patch.result = patch.given;
+      patch.rejected = true;
+    }
+    next.push_back(std::move(patch));
+  }
+  patches = std::move(next);
+  return mended;
+}
+
+std::vector<Triangle> simplify_round(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
+                                     double error, double shift, Progress& progress, SimplifyStats& stats) {
+  std::vector<Patch> patches = impl::cut(positions, triangles, patch_triangles, shift);
+  progress.begin("simplify", patches.size(), "patches");
+  do collapse_all(positions, patches, error, progress);
+  while (mend(positions, patches));
+  progress.end();
+  stats.patches += patches.size();
+  for (const Patch& patch : patches) stats.patches_rejected += patch.rejected;
+  return joined(patches);
+}
+
+/// Keeps the vertices in use, in order.
+Mesh compacted(const Mesh& mesh, std::vector<Triangle> triangles) {
+  std::vector<std::uint32_t> index(mesh.positions.size(), 0);
+  for (const Triangle& t : triangles)
+    for (auto v : t) index[v] = 1;
+  Mesh out;
+  out.origin = mesh.origin;
+  std::uint32_t count = 0;
+  for (std::size_t v = 0; v < index.size(); ++v) {
+    if (!index[v]) continue;
+    index[v] = count++;
+    out.positions.push_back(mesh.positions[v]);
+    if (!mesh.normals.empty()) out.normals.push_back(mesh.normals[v]);
+    if (!mesh.colors.empty()) out.colors.push_back(mesh.colors[v]);
+  }
+  for (Triangle& t : triangles)
+    for (auto& v : t) v = index[v];
+  out.triangles = std::move(triangles);
+  return out;
+}
+
+}  // namespace
+
+Mesh simplify(const Mesh& mesh, const SimplifySettings& settings, Progress& progress, SimplifyStats* stats) {
+  if (!(settings.error >= 0) || !std::isfinite(settings.error))
+    fail(ErrorKind::usage, "an error of {} m cannot be used to simplify: give 0 or more", settings.error);
+  SimplifyStats sums;
+  sums.triangles_before = mesh.triangles.size();
+  std::vector<Triangle> triangles = mesh.triangles;
+  // The second round works on the first's seams; each may use half of the error.
+  if (settings.error > 0)
+    for (double shift : {0.0, 0.5})
+      triangles = simplify_round(mesh.positions, triangles, settings.error / 2, shift, progress, sums);
+  Mesh out = compacted(mesh, std::move(triangles));
+  if (settings.normals) {
+    out.normals.resize(out.positions.size());
+    settings.normals(out.positions, out.normals);
+  }
+  sums.triangles_after = out.triangles.size();
+  if (stats) *stats = sums;
+  return out;
+}
+
+}  // namespace tafoni::mesh

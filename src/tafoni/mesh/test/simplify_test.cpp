@@ -1,0 +1,131 @@
+#include "tafoni/mesh/simplify.h"
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <gmock/gmock.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+#include "tafoni/core/random.h"
+#include "tafoni/mesh/dense.h"
+#include "tafoni/mesh/metrics.h"
+#include "tafoni/mesh/validate.h"
+
+namespace tafoni::mesh {
+namespace {
+
+using testing::IsEmpty;
+
+template <class F>
+Mesh surface(int nx, int ny, int nz, const F& f) {
+  std::vector<float> values;
+  for (int k = 0; k < nz; ++k)
+    for (int j = 0; j < ny; ++j)
+      for (int i = 0; i < nx; ++i)
+        values.push_back(static_cast<float>(
+            f(Vec3d{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)})));
+  Mesh mesh;
+  polygonize_grid({values.data(), nx, ny, nz, 1.0}, true, mesh);
+  return mesh;
+}
+
+/// Rolling ground with tunnels and thin walls: what collapses easily into a pinched surface.
+Mesh landscape(int n) {
+  return surface(n, n, 40, [](Vec3d p) {
+    const double ground = 22 + 6 * std::sin(p.x * 0.06) * std::cos(p.y * 0.05) - p.z;
+    const Vec3d q = p * 0.35;
+    return std::min(ground, 0.9 + std::sin(q.x) * std::cos(q.y) + std::sin(q.y) * std::cos(q.z) +
+                                std::sin(q.z) * std::cos(q.x));
+  });
+}
+
+using Point = std::array<float, 3>;
+std::multiset<std::pair<Point, Point>> border(const Mesh& mesh) {
+  std::multiset<std::pair<Point, Point>> edges;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
+  for (const auto& t : mesh.triangles)
+    for (std::size_t c = 0; c < 3; ++c) ++uses[std::minmax(t[c], t[(c + 1) % 3])];
+  for (const auto& [edge, count] : uses) {
+    if (count != 1) continue;
+    const Vec3f a = mesh.positions[edge.first], b = mesh.positions[edge.second];
+    edges.insert(std::minmax(Point{a.x, a.y, a.z}, Point{b.x, b.y, b.z}));
+  }
+  return edges;
+}
+
+TEST(Simplify, ReducesASphereWithinTheError) {
+  const Vec3d center{40.2, 40.1, 40.3};
+  const Mesh mesh = surface(81, 81, 81, [=](Vec3d p) { return 35 - length(p - center); });
+  SimplifyStats stats;
+  const Mesh small = simplify(mesh, {.error = 0.4, .normals = {}}, silent(), &stats);
+  EXPECT_THAT(defects(validate(small)), IsEmpty());
+  EXPECT_TRUE(validate(small).closed());
+  EXPECT_EQ(metrics(small).genus, 0);
+  EXPECT_LT(small.triangles.size(), mesh.triangles.size() / 8);
+  EXPECT_EQ(stats.triangles_after, small.triangles.size());
+  for (const auto& t : small.triangles) {
+    const Vec3d middle = (to_double(small.positions[t[0]]) + to_double(small.positions[t[1]]) +
+                          to_double(small.positions[t[2]])) *
+                         (1.0 / 3);
+    EXPECT_NEAR(length(middle - center), 35, 1.0);
+  }
+}
+
+TEST(Simplify, KeepsManifoldnessAndOpenBorders) {
+  const Mesh mesh = landscape(140);
+  ASSERT_THAT(defects(validate(mesh)), IsEmpty());
+  for (double error : {0.2, 1.0, 5.0}) {
+    SimplifyStats stats;
+    const Mesh small = simplify(mesh, {.error = error, .normals = {}}, silent(), &stats);
+    EXPECT_THAT(defects(validate(small)), IsEmpty()) << error;
+    EXPECT_LT(static_cast<double>(small.triangles.size()),
+              static_cast<double>(mesh.triangles.size()) * (error < 0.5 ? 0.6 : 0.4))
+        << error;
+    EXPECT_LT(stats.patches_rejected, stats.patches / 2);
+    EXPECT_TRUE(border(small) == border(mesh));
+    EXPECT_GT(stats.patches, 8u);
+  }
+}
+
+TEST(Simplify, DoesNotDependOnThreads) {
+  const Mesh mesh = landscape(120);
+  set_thread_count(1);
+  const Mesh one = simplify(mesh, {.error = 0.5, .normals = {}});
+  set_thread_count(2);
+  const Mesh two = simplify(mesh, {.error = 0.5, .normals = {}});
+  set_thread_count(0);
+  EXPECT_EQ(one.positions, two.positions);
+  EXPECT_EQ(one.triangles, two.triangles);
+}
+
+TEST(Simplify, CarriesOriginColoursAndNormals) {
+  Mesh mesh = landscape(60);
+  mesh.origin = {1, 2, 3};
+  for (const Vec3f& p : mesh.positions)
+    mesh.colors.push_back({static_cast<std::uint8_t>(p.x), static_cast<std::uint8_t>(p.y), 0, 255});
+  const Mesh small = simplify(mesh, {.error = 0.5, .normals = {}});
+  EXPECT_EQ(small.origin, mesh.origin);
+  ASSERT_EQ(small.colors.size(), small.positions.size());
+  ASSERT_EQ(small.normals.size(), small.positions.size());
+  for (std::size_t v = 0; v < small.positions.size(); ++v)
+    EXPECT_EQ(small.colors[v][0], static_cast<std::uint8_t>(small.positions[v].x));
+  const Mesh fresh =
+      simplify(mesh, {.error = 0.5, .normals = [](std::span<const Vec3f>, std::span<Vec3f> normals) {
+                        for (Vec3f& n : normals) n = {0, 0, 1};
+                      }});
+  for (const Vec3f& n : fresh.normals) EXPECT_EQ(n, (Vec3f{0, 0, 1}));
+}
+
+TEST(Simplify, NoErrorOrNoMeshChangesNothing) {
+  const Mesh mesh = landscape(40);
+  const Mesh same = simplify(mesh, {.error = 0, .normals = {}});
+  EXPECT_EQ(same.positions, mesh.positions);
+  EXPECT_EQ(same.triangles, mesh.triangles);
+  EXPECT_TRUE(simplify({}, {.error = 1, .normals = {}}).triangles.empty());
+  EXPECT_THROW(simplify(mesh, {.error = -1, .normals = {}}), Error);
+}
+
+}  // namespace
+}  // namespace tafoni::mesh
