@@ -63,16 +63,19 @@ void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress) {
                [&](std::int64_t block) {
                  const auto begin = static_cast<std::size_t>(block * grain);
                  const auto end = static_cast<std::size_t>(std::min(count, (block + 1) * grain));
+                 std::vector<Vec3d> local;
+                 for (std::size_t i = begin; i < end; ++i) local.push_back(to_double(mesh.positions[i]));
+                 std::vector<float> resistance(local.size());
+                 scene.geology->resistances(local, resistance);
                  for (std::size_t i = begin; i < end; ++i) {
-                   const Vec3d local = to_double(mesh.positions[i]);
+                   const Vec3d at = local[i - begin];
                    mesh::SurfacePoint point;
-                   point.position = local + origin;
+                   point.position = at + origin;
                    point.spacing = static_cast<float>(scene.voxel);
                    if (!mesh.normals.empty()) point.normal = mesh.normals[i];
-                   point.resistance = static_cast<float>(scene.geology->resistance(local));
+                   point.resistance = resistance[i - begin];
                    if (sea) point.height_above_sea = static_cast<float>(point.position.z - *sea);
-                   // Half a voxel is as far as the mesh may lie below the field's own surface.
-                   const double cover = raster::sample_bilinear(heights, local.x, local.y) - local.z;
+                   const double cover = raster::sample_bilinear(heights, at.x, at.y) - at.z;
                    point.roofed = point.normal.z < 0 || cover > std::max(1.0, scene.voxel);
                    mesh.colors[i] = mesh::to_rgba8(mesh::rock_palette(point));
                  }

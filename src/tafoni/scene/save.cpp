@@ -61,7 +61,9 @@ void append_blocks(std::string& out, const std::vector<T>& items) {
 }
 
 std::string fresh(const Document& document) {
-  std::string out = fresh(view(document.scene)) + "\n" + fresh(view(document.terrain));
+  std::string out = fresh(view(document.scene));
+  out = std::count(out.begin(), out.end(), '\n') > 1 ? out + "\n" : "";
+  out += fresh(view(document.terrain));
   append_blocks(out, document.geology);
   append_blocks(out, document.layers);
   return out;

@@ -16,6 +16,29 @@ std::string bare(std::string_view name) {
   return out;
 }
 
+/// The end of the string that begins at `at`; the end of the line or text where it is not closed.
+std::size_t end_of_string(std::string_view text, std::size_t at) {
+  const char quote = text[at];
+  const std::string_view triple = text.substr(at, 3);
+  const bool multi = triple == std::string(3, quote);
+  at += multi ? 3 : 1;
+  while (at < text.size()) {
+    if (quote == '"' && text[at] == '\\') {
+      at += 2;
+      continue;
+    }
+    if (multi ? text.substr(at, 3) == triple : text[at] == quote) {
+      at += multi ? 3 : 1;
+      // A multi-line string may end in up to two quotes of its own.
+      for (int extra = 0; multi && extra < 2 && at < text.size() && text[at] == quote; ++extra) ++at;
+      return at;
+    }
+    if (!multi && text[at] == '\n') return at;
+    ++at;
+  }
+  return text.size();
+}
+
 /// Walks over a value from `at` to its end: past strings, nested brackets and the lines within them.
 std::size_t end_of_value(std::string_view text, std::size_t at) {
   int depth = 0;
@@ -29,19 +52,7 @@ std::size_t end_of_value(std::string_view text, std::size_t at) {
       continue;
     }
     if (c == '"' || c == '\'') {
-      const std::string_view triple = text.substr(at, 3);
-      const bool multi = triple == std::string(3, c);
-      at += multi ? 3 : 1;
-      while (at < text.size()) {
-        if (c == '"' && text[at] == '\\') {
-          at += 2;
-          continue;
-        }
-        if (multi ? text.substr(at, 3) == triple : text[at] == c) break;
-        ++at;
-      }
-      at = std::min(at + (multi ? 3 : 1), text.size());
-      last = at;
+      last = at = end_of_string(text, at);
       continue;
     }
     if (c == '[' || c == '{') ++depth;
