@@ -1,0 +1,158 @@
+#include "catalogue.h"
+
+#include "command.h"
+#include <fmt/core.h>
+
+#include "tafoni/field/operator.h"
+#include "tafoni/field/primitive.h"
+#include "tafoni/geology/kind.h"
+#include "tafoni/io/format.h"
+#include "tafoni/landforms/landform.h"
+#include "tafoni/scene/document.h"
+#include "tafoni/terrain/generator.h"
+
+namespace tafoni::cli {
+namespace {
+
+/// Declarations that have a name, a purpose, a source and parameters.
+template <class T>
+Topic topic(const char* name, const char* doc, std::span<const T* const> types) {
+  Topic out{name, doc, {}};
+  for (const T* type : types)
+    out.entries.push_back({type->name, type->doc, type->source, {}, type->params, {}});
+  return out;
+}
+
+Topic operators() {
+  Topic out{"operators", "How trees are combined", {}};
+  for (const field::OperatorType* type : field::all_operators())
+    out.entries.push_back({type->name, type->doc, type->source, {}, {}, {}});
+  return out;
+}
+
+Topic formats() {
+  Topic out{"formats", "Files of meshes and pictures, chosen by extension", {}};
+  for (const io::FormatType* type : io::all_formats()) {
+    std::string note;
+    for (const std::string& extension : type->extensions) note += (note.empty() ? "." : ", .") + extension;
+    note += ":";
+    if (type->write_mesh) note += " writes meshes";
+    if (type->read_mesh) note += type->write_mesh ? " and reads them" : " reads meshes";
+    if (type->write_image) note += " writes pictures";
+    out.entries.push_back({type->name, type->doc, type->source, note, type->params, {}});
+  }
+  return out;
+}
+
+Topic sections() {
+  Topic out{"scene", "Sections of a scene file", {}};
+  out.entries.push_back({"[scene]", "What holds for the whole scene", {}, {}, scene::scene_params(), {}});
+  out.entries.push_back(
+      {"[terrain]", "The elevation model and its field", {}, {}, scene::terrain_params(), {}});
+  out.entries.push_back({"[[layer]]",
+                         "What every layer can say besides its type and the type's own parameters",
+                         {},
+                         {},
+                         scene::layer_params(),
+                         {}});
+  out.entries.push_back({"[[layer]] type = \"primitives\"",
+                         "Explicit primitives from a file",
+                         "DESIGN section 6",
+                         {},
+                         scene::params_of_layer(scene::primitives_layer),
+                         {}});
+  return out;
+}
+
+Topic commands() {
+  Topic out{"commands", "Subcommands of tafoni", {}};
+  for (const Command* command : all_commands()) {
+    Args args(command->name, command->doc);
+    command->setup(args);
+    out.entries.push_back({command->name, command->doc, {}, command->examples, {}, args.entries()});
+  }
+  return out;
+}
+
+std::string init_text(const ParamInfo& info) {
+  const std::string init = to_toml(info.init);
+  return init == "\"\"" || init == "[]" ? "none" : init;
+}
+
+/// Cells of a Markdown table must not hold a bar.
+std::string cell(std::string text) {
+  for (std::size_t i = 0; (i = text.find('|', i)) != std::string::npos; i += 2) text.insert(i, "\\");
+  return text;
+}
+
+std::string flags_text(const Args::Entry& option) {
+  std::string flags = option.flags;
+  if (const auto comma = flags.find(','); comma != std::string::npos) flags.replace(comma, 1, ", ");
+  return option.value.empty() ? flags : flags + " " + option.value;
+}
+
+void markdown(std::string& out, const CatalogueEntry& entry, bool examples) {
+  out += fmt::format("### {}\n\n{}.{}\n\n", entry.name, entry.doc,
+                     entry.source.empty() ? "" : fmt::format(" Source: {}.", entry.source));
+  if (!entry.note.empty())
+    out += examples ? fmt::format("```sh\n{}\n```\n\n", entry.note) : entry.note + "\n\n";
+  if (!entry.params.empty()) {
+    out += "| parameter | default | allowed | what it does |\n|---|---|---|---|\n";
+    for (const ParamInfo& info : entry.params)
+      out += fmt::format("| `{}` | {} | {} | {} |\n", info.name, cell(init_text(info)), cell(allowed(info)),
+                         cell(info.doc));
+    out += "\n";
+  }
+  if (!entry.options.empty()) {
+    out += "| option | what it does |\n|---|---|\n";
+    for (const Args::Entry& option : entry.options)
+      out += fmt::format("| `{}` | {} |\n", cell(flags_text(option)), cell(option.doc));
+    out += "\n";
+  }
+}
+
+}  // namespace
+
+std::vector<Topic> catalogue() {
+  return {commands(),
+          sections(),
+          topic("landforms", "Layers that shape the terrain", landforms::all_landforms()),
+          topic("geology", "Kinds of rock", geology::all_geologies()),
+          topic("generators", "Built-in elevation models", terrain::all_generators()),
+          topic("primitives", "Leaves of construction trees", field::all_primitives()),
+          operators(),
+          formats()};
+}
+
+std::string markdown(const std::vector<Topic>& topics) {
+  std::string out =
+      "# Reference\n\nWritten by `tafoni list --markdown` from the declarations in the code.\n\n";
+  for (const Topic& topic : topics) {
+    std::string title = topic.name;
+    title[0] = static_cast<char>(title[0] - 'a' + 'A');
+    out += fmt::format("## {}\n\n{}.\n\n", title, topic.doc);
+    for (const CatalogueEntry& entry : topic.entries) markdown(out, entry, topic.name == "commands");
+  }
+  while (out.ends_with("\n\n")) out.pop_back();
+  return out;
+}
+
+std::string text(const Topic& topic) {
+  std::string out = fmt::format("{}: {}\n", topic.name, topic.doc);
+  for (const CatalogueEntry& entry : topic.entries)
+    out += fmt::format("  {:<14} {}\n", entry.name, entry.doc);
+  return out;
+}
+
+std::string text(const CatalogueEntry& entry) {
+  std::string out = fmt::format("{}: {}\n", entry.name, entry.doc);
+  if (!entry.source.empty()) out += fmt::format("source: {}\n", entry.source);
+  if (!entry.note.empty()) out += entry.note + "\n";
+  for (const ParamInfo& info : entry.params)
+    out += fmt::format("\n  {} = {}   ({})\n      {}\n", info.name, init_text(info), allowed(info), info.doc);
+  for (const Args::Entry& option : entry.options)
+    out += fmt::format("\n  {}\n      {}\n", flags_text(option), option.doc);
+  return out;
+}
+
+}  // namespace tafoni::cli

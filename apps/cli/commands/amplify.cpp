@@ -1,0 +1,67 @@
+#include <memory>
+
+#include "command.h"
+#include "scene_run.h"
+
+#include "tafoni/core/error.h"
+#include "tafoni/geology/kind.h"
+
+namespace tafoni::cli {
+namespace {
+
+struct Amplify {
+  std::string dem, region, points;
+  std::vector<std::string> layers, geology;
+  SceneOptions scene;
+  OutputOptions outputs;
+};
+
+scene::Document document_of(const Amplify& a) {
+  if (is_scene_file(a.dem))
+    fail(ErrorKind::usage, "{}: is a scene; use tafoni build for scenes, amplify for elevation models",
+         a.dem);
+  scene::Document document = open_document(a.dem);
+  for (const std::string& type : a.geology) {
+    geology::find_geology(type);
+    document.geology.push_back({type, {}, 0});
+  }
+  for (const std::string& type : a.layers) {
+    scene::params_of_layer(type);
+    scene::Layer layer;
+    layer.type = type;
+    layer.settings.region = a.region;
+    layer.settings.points = a.points;
+    document.layers.push_back(std::move(layer));
+  }
+  a.scene.apply(document);
+  return document;
+}
+
+std::function<int(Console&)> setup(Args& args) {
+  auto a = std::make_shared<Amplify>();
+  args.positional("DEM", a->dem, "Elevation model, anything that GDAL reads");
+  args.group("Layers");
+  args.texts("-l,--layer", "LANDFORM", a->layers, "Landform to add, in this order; may be repeated");
+  args.text("--region", "FILE", a->region, "Polygon file (GeoJSON …): the layers act inside");
+  args.text("--points", "CSV", a->points, "Seed points x,y,z in the elevation model's CRS");
+  args.texts("--geology", "KIND", a->geology, "Kind of rock; several are blended; default: strata");
+  a->scene.declare(args);
+  a->outputs.declare(args);
+  return [a](Console& console) {
+    run_scene(document_of(*a), {}, a->outputs, console);
+    return 0;
+  };
+}
+
+}  // namespace
+
+const Command& command_amplify() {
+  static const Command command = {
+      "amplify", "Turn an elevation model into a 3D terrain mesh",
+      "  tafoni amplify coast.tif -l sea-cliff -l karst -o coast.glb --preview coast.png\n"
+      "  tafoni amplify dem.tif -l karst --set karst.radius=4 --window 100,100,512,512 -o part.ply",
+      setup};
+  return command;
+}
+
+}  // namespace tafoni::cli

@@ -1,0 +1,66 @@
+#include <memory>
+
+#include "command.h"
+#include "scene_run.h"
+#include <fmt/core.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/io/dem.h"
+#include "tafoni/terrain/generator.h"
+
+namespace tafoni::cli {
+namespace {
+
+struct Generate {
+  std::string generator, output;
+  std::vector<std::string> set;
+  std::optional<std::int64_t> seed;
+};
+
+/// "NAME=VALUE" or "GENERATOR.NAME=VALUE".
+void set_value(const terrain::GeneratorType& type, Values& values, std::string_view assignment) {
+  const std::string where = fmt::format("--set {}", assignment);
+  const auto equals = assignment.find('=');
+  if (equals == std::string_view::npos)
+    fail(ErrorKind::usage, "{}: expected NAME=VALUE, as in width=800", where);
+  std::string_view name = assignment.substr(0, equals);
+  if (name.starts_with(type.name + ".")) name.remove_prefix(type.name.size() + 1);
+  const ParamInfo& info = find_param(type.params, name, where);
+  values.insert_or_assign(info.name, parsed(info, assignment.substr(equals + 1), where));
+}
+
+int run(const Generate& g, Console& console) {
+  if (g.output.empty()) fail(ErrorKind::usage, "generate needs -o FILE.tif, the elevation model to write");
+  const std::string extension = std::filesystem::path(g.output).extension().string();
+  if (extension != ".tif" && extension != ".tiff")
+    fail(ErrorKind::usage, "{}: an elevation model is written as GeoTIFF; end the name in .tif", g.output);
+  const terrain::GeneratorType& type = terrain::find_generator(g.generator);
+  Values values;
+  for (const std::string& assignment : g.set) set_value(type, values, assignment);
+  check_output(g.output, {});
+  const raster::Raster raster =
+      type.generate(values, static_cast<std::uint64_t>(g.seed.value_or(0)), console);
+  io::write_geotiff(g.output, raster);
+  console.print(fmt::format("{}  {} x {} pixels of {:g} m\n", g.output, raster.width(), raster.height(),
+                            raster.placement.dx));
+  return 0;
+}
+
+std::function<int(Console&)> setup(Args& args) {
+  auto g = std::make_shared<Generate>();
+  args.positional("GENERATOR", g->generator, "A built-in generator; see tafoni list generators");
+  args.text("-o,--output", "TIF", g->output, "GeoTIFF to write");
+  args.texts("--set", "NAME=VALUE", g->set, "Set a parameter of the generator; may be repeated");
+  args.integer("--seed", "N", g->seed, 0, std::int64_t{1} << 53, "What every random choice is made from");
+  return [g](Console& console) { return run(*g, console); };
+}
+
+}  // namespace
+
+const Command& command_generate() {
+  static const Command command = {"generate", "Make an elevation model to start from",
+                                  "  tafoni generate coast -o coast.tif --seed 3", setup};
+  return command;
+}
+
+}  // namespace tafoni::cli

@@ -1,0 +1,156 @@
+#include <memory>
+
+#include "command.h"
+#include "scene_run.h"
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "tafoni/io/dem.h"
+
+namespace tafoni::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json dem_json(const std::string& file, const io::DemInfo& d) {
+  return {{"file", file},
+          {"driver", d.driver},
+          {"type", d.type},
+          {"width", d.width},
+          {"height", d.height},
+          {"bands", d.bands},
+          {"band", d.band},
+          {"crs", d.crs},
+          {"unit", d.unit},
+          {"pixel", {d.dx, d.dy}},
+          {"angle_rad", d.angle},
+          {"north_up", d.north_up},
+          {"west", d.west},
+          {"south", d.south},
+          {"east", d.east},
+          {"north", d.north},
+          {"height_unit", d.height_unit},
+          {"scale", d.scale},
+          {"offset", d.offset},
+          {"lowest_m", d.lowest},
+          {"highest_m", d.highest},
+          {"missing", d.missing},
+          {"step_m", d.step},
+          {"notes", d.notes}};
+}
+
+std::string dem_text(const std::string& file, const io::DemInfo& d) {
+  std::string out;
+  const auto row = [&](const char* name, const std::string& value) {
+    out += fmt::format("{:<12} {}\n", name, value);
+  };
+  row("file", file);
+  row("format", fmt::format("{}, {}, band {} of {}", d.driver, d.type, d.band, d.bands));
+  row("size", fmt::format("{} x {} pixels of {:.6g} x {:.6g} {}{}", d.width, d.height, d.dx, d.dy, d.unit,
+                          d.north_up ? "" : ", not north-up"));
+  row("CRS", d.crs.empty() ? "unknown" : d.crs);
+  row("extent", fmt::format("west {:.10g}, south {:.10g}, east {:.10g}, north {:.10g}", d.west, d.south,
+                            d.east, d.north));
+  row("heights", fmt::format("{:.6g} to {:.6g} m (stored in {})", d.lowest, d.highest, d.height_unit));
+  row("missing", fmt::format("{:.3g} %", 100 * d.missing));
+  if (d.step > 0) row("steps", fmt::format("{:.3g} m", d.step));
+  for (const std::string& note : d.notes) row("note", note);
+  return out;
+}
+
+Json settings_json(const std::vector<ParamInfo>& infos, const void* object) {
+  Json out = Json::object();
+  for (const ParamInfo& info : infos)
+    std::visit([&](const auto& v) { out[info.name] = v; }, info.load(info, object));
+  return out;
+}
+
+Json values_json(const Values& values) {
+  Json out = Json::object();
+  for (const auto& [name, value] : values)
+    std::visit([&, &key = name](const auto& v) { out[key] = v; }, value);
+  return out;
+}
+
+Json scene_json(const scene::Document& d) {
+  Json out;
+  out["scene"] = settings_json(scene::scene_params(), &d.scene);
+  out["terrain"] = settings_json(scene::terrain_params(), &d.terrain);
+  out["terrain"].update(values_json(d.terrain.values));
+  out["geology"] = Json::array();
+  for (const auto& g : d.geology) {
+    out["geology"].push_back({{"type", g.type}});
+    out["geology"].back().update(values_json(g.values));
+  }
+  out["layers"] = Json::array();
+  for (const auto& l : d.layers) {
+    out["layers"].push_back({{"type", l.type}});
+    out["layers"].back().update(settings_json(scene::layer_params(), &l.settings));
+    out["layers"].back().update(values_json(l.values));
+  }
+  return out;
+}
+
+std::string listed(const Values& values) {
+  std::string out;
+  for (const auto& [name, value] : values)
+    out += fmt::format("{}{} = {}", out.empty() ? "" : ", ", name, to_toml(value));
+  return out.empty() ? "defaults" : out;
+}
+
+std::string scene_text(const scene::Document& d) {
+  std::string out =
+      fmt::format("scene        seed {}, voxel {}, boundary {}\n", d.scene.seed,
+                  d.scene.voxel > 0 ? fmt::format("{:g} m", d.scene.voxel) : "automatic", d.scene.boundary);
+  out += fmt::format("terrain      R = {:g} m, T = {:g} m, {}, {} distance{}\n", d.terrain.influence,
+                     d.terrain.amplitude, d.terrain.interpolation, d.terrain.distance,
+                     d.terrain.generator.empty()
+                         ? ""
+                         : fmt::format(", generator {} ({})", d.terrain.generator, listed(d.terrain.values)));
+  if (d.geology.empty()) out += "geology      default\n";
+  for (const auto& g : d.geology) out += fmt::format("geology      {}: {}\n", g.type, listed(g.values));
+  for (const auto& l : d.layers) {
+    out += fmt::format("layer        {}{}{}: {}\n", l.type,
+                       l.settings.name.empty() ? "" : " \"" + l.settings.name + "\"",
+                       l.settings.enabled ? "" : " (off)", listed(l.values));
+  }
+  return out;
+}
+
+int run(const std::string& file, Console& console) {
+  if (!is_scene_file(file)) {
+    const io::DemInfo dem = io::inspect_dem(file, 0, console);
+    console.result(console.json()
+                       ? dem_json(file, dem).dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
+                       : dem_text(file, dem));
+    return 0;
+  }
+  const scene::Document document = scene::load_scene(file);
+  Json json = scene_json(document);
+  std::string text = scene_text(document);
+  if (!document.terrain.source.empty()) {
+    const std::string source = document.resolved(document.terrain.source).string();
+    const io::DemInfo dem = io::inspect_dem(source, static_cast<int>(document.terrain.band), console);
+    json["source"] = dem_json(source, dem);
+    text += dem_text(source, dem);
+  }
+  console.result(console.json() ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : text);
+  return 0;
+}
+
+std::function<int(Console&)> setup(Args& args) {
+  auto file = std::make_shared<std::string>();
+  args.positional("DEM|SCENE", *file, "Elevation model or scene file (.toml)");
+  return [file](Console& console) { return run(*file, console); };
+}
+
+}  // namespace
+
+const Command& command_info() {
+  static const Command command = {"info",
+                                  "Tell what an elevation model or a scene holds, and what would be fixed",
+                                  "  tafoni info dem.tif\n  tafoni info scene.toml --json", setup};
+  return command;
+}
+
+}  // namespace tafoni::cli

@@ -1,0 +1,91 @@
+#include <memory>
+
+#include "catalogue.h"
+#include "command.h"
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "tafoni/core/error.h"
+
+namespace tafoni::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct List {
+  std::string topic, name;
+  bool markdown = false;
+};
+
+Json to_json(const CatalogueEntry& entry) {
+  Json json = {{"name", entry.name}, {"doc", entry.doc}};
+  if (!entry.source.empty()) json["source"] = entry.source;
+  if (!entry.note.empty()) json["note"] = entry.note;
+  for (const ParamInfo& info : entry.params) {
+    Json param = {{"name", info.name}, {"doc", info.doc}, {"unit", info.unit}, {"allowed", allowed(info)}};
+    std::visit([&](const auto& v) { param["default"] = v; }, info.init);
+    json["params"].push_back(std::move(param));
+  }
+  for (const Args::Entry& option : entry.options)
+    json["options"].push_back({{"flags", option.flags}, {"value", option.value}, {"doc", option.doc}});
+  return json;
+}
+
+/// The item called `name`; throws naming the nearest one.
+template <class T>
+const T& named(const std::vector<T>& items, const std::string& name, const std::string& what) {
+  std::vector<std::string> known;
+  for (const T& item : items) {
+    if (item.name == name) return item;
+    known.push_back(item.name);
+  }
+  std::string list;
+  for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
+  const std::string near = nearest(name, known);
+  fail(ErrorKind::usage, "list: unknown {} \"{}\"; {}", what, name,
+       near.empty() ? "known are " + list : fmt::format("did you mean \"{}\"?", near));
+}
+
+int run(const List& list, Console& console) {
+  const std::vector<Topic> topics = catalogue();
+  if (list.markdown) {
+    console.result(markdown(topics));
+    return 0;
+  }
+  std::vector<Topic> chosen = topics;
+  if (!list.topic.empty()) chosen = {named(topics, list.topic, "topic")};
+  if (!list.name.empty()) {
+    const CatalogueEntry& entry = named(chosen.front().entries, list.name, "name");
+    console.result(console.json() ? to_json(entry).dump(2) + "\n" : text(entry));
+    return 0;
+  }
+  Json json = Json::object();
+  std::string out;
+  for (const Topic& topic : chosen) {
+    out += (out.empty() ? "" : "\n") + text(topic);
+    for (const CatalogueEntry& entry : topic.entries) json[topic.name].push_back(to_json(entry));
+  }
+  console.result(console.json() ? json.dump(2) + "\n" : out);
+  return 0;
+}
+
+std::function<int(Console&)> setup(Args& args) {
+  auto list = std::make_shared<List>();
+  args.positional("TOPIC", list->topic,
+                  "commands, scene, landforms, geology, generators, primitives, operators or formats", false);
+  args.positional("NAME", list->name, "One of the topic: its purpose, source and parameters", false);
+  args.flag("--markdown", list->markdown, "Write the whole reference as Markdown");
+  return [list](Console& console) { return run(*list, console); };
+}
+
+}  // namespace
+
+const Command& command_list() {
+  static const Command command = {"list", "List what the program knows, with every parameter",
+                                  "  tafoni list landforms\n  tafoni list landforms karst\n"
+                                  "  tafoni list --markdown > reference.md",
+                                  setup};
+  return command;
+}
+
+}  // namespace tafoni::cli

@@ -1,0 +1,145 @@
+#include "tafoni/render/render.h"
+
+#include <algorithm>
+#include <cctype>
+#include <memory>
+
+#include "command.h"
+#include "scene_run.h"
+#include <fmt/core.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/io/format.h"
+#include "tafoni/scene/mesh_scene.h"
+
+namespace tafoni::cli {
+namespace {
+
+constexpr double degree = 3.14159265358979323846 / 180;
+
+struct Render {
+  std::string input, output;
+  SceneOptions scene;
+  std::vector<double> camera, inside, size;
+  bool is_inside = false;
+  std::optional<double> fov, azimuth, elevation, sun_azimuth, sun_elevation, exposure, haze, sea_level;
+  std::optional<std::int64_t> samples;
+};
+
+bool is_mesh(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  if (extension.empty()) return false;
+  extension.erase(0, 1);
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const io::FormatType* format : io::all_formats())
+    if (format->read_mesh && std::find(format->extensions.begin(), format->extensions.end(), extension) !=
+                                 format->extensions.end())
+      return true;
+  return false;
+}
+
+render::RenderSettings settings_of(const Render& r) {
+  render::RenderSettings s;
+  if (!r.size.empty()) {
+    s.width = static_cast<int>(r.size[0]);
+    s.height = static_cast<int>(r.size[1]);
+    if (s.width < 1 || s.height < 1 || s.width > 16384 || s.height > 16384)
+      fail(ErrorKind::usage, "--size {:g},{:g}: must be 1 to 16384 pixels each way", r.size[0], r.size[1]);
+  }
+  if (r.samples) s.samples = static_cast<int>(*r.samples);
+  if (r.sun_azimuth) s.sun_azimuth = *r.sun_azimuth * degree;
+  if (r.sun_elevation) s.sun_elevation = *r.sun_elevation * degree;
+  if (r.azimuth) s.azimuth = *r.azimuth * degree;
+  if (r.elevation) s.elevation = *r.elevation * degree;
+  if (r.exposure) s.exposure = *r.exposure;
+  if (r.haze) s.haze = *r.haze;
+  s.sea_level = r.sea_level;
+  s.inside = r.is_inside;
+  return s;
+}
+
+render::Camera camera_of(const Render& r, const render::Scene& scene,
+                         const render::RenderSettings& settings) {
+  render::Camera camera;
+  if (!r.camera.empty()) {
+    camera.eye = {r.camera[0], r.camera[1], r.camera[2]};
+    camera.target = {r.camera[3], r.camera[4], r.camera[5]};
+  } else if (r.is_inside) {
+    std::optional<Vec3d> eye;
+    if (!r.inside.empty()) eye = Vec3d{r.inside[0], r.inside[1], r.inside[2]};
+    camera = scene.frame_inside(settings, eye);
+  } else {
+    camera = scene.frame(settings);
+  }
+  if (r.fov) camera.fov = *r.fov * degree;
+  return camera;
+}
+
+mesh::Mesh mesh_of(const Render& r, render::RenderSettings& settings, Console& console) {
+  if (is_mesh(r.input)) {
+    check_output(r.output, {r.input});
+    return io::read_mesh(r.input);
+  }
+  scene::Document document = open_document(r.input);
+  r.scene.apply(document);
+  std::vector<std::filesystem::path> inputs = inputs_of(document);
+  inputs.emplace_back(r.input);
+  check_output(r.output, inputs);
+  if (!settings.sea_level) settings.sea_level = scene::sea_level(document);
+  return scene::mesh_scene(scene::build(document, console), console).mesh;
+}
+
+int run(const Render& r, Console& console) {
+  if (r.output.empty()) fail(ErrorKind::usage, "render needs -o PNG, the picture to write");
+  io::format_of(r.output, io::Ability::write_image);
+  render::RenderSettings settings = settings_of(r);
+  const mesh::Mesh mesh = mesh_of(r, settings, console);
+  const render::Scene scene(mesh, console);
+  const render::Camera camera = camera_of(r, scene, settings);
+  io::write_image(r.output, scene.render(camera, settings, console));
+  console.print(fmt::format("{}  {} x {} pixels\ncamera {},{},{},{},{},{}\n", r.output, settings.width,
+                            settings.height, camera.eye.x, camera.eye.y, camera.eye.z, camera.target.x,
+                            camera.target.y, camera.target.z));
+  return 0;
+}
+
+std::function<int(Console&)> setup(Args& args) {
+  auto r = std::make_shared<Render>();
+  args.positional("SCENE|MESH", r->input, "Scene file (.toml), elevation model or mesh");
+  args.text("-o,--output", "PNG", r->output, "Picture to write");
+  args.group("View");
+  args.numbers("--camera", "EX,EY,EZ,TX,TY,TZ", r->camera, 6,
+               "Eye and target in the scene's CRS; default: frames the terrain");
+  args.optional_numbers("--inside", "X,Y,Z", r->is_inside, r->inside, 3,
+                        "A lamp in a cave, at X,Y,Z or else in the roomiest one; write --inside=X,Y,Z");
+  args.number("--fov", "DEG", r->fov, 1, 170, "degrees", "Vertical angle of view");
+  args.number("--azimuth", "DEG", r->azimuth, -360, 360, "degrees",
+              "Direction of view, clockwise from north");
+  args.number("--elevation", "DEG", r->elevation, -90, 90, "degrees", "How far the camera looks down");
+  args.numbers("--size", "W,H", r->size, 2, "Pixels; default 1280,720");
+  args.integer("--samples", "N", r->samples, 1, 4096, "Rays a pixel; default 16");
+  args.group("Light");
+  args.number("--sun-azimuth", "DEG", r->sun_azimuth, -360, 360, "degrees",
+              "Where the sun stands, clockwise from north");
+  args.number("--sun-elevation", "DEG", r->sun_elevation, 0, 90, "degrees",
+              "Height of the sun above the horizon");
+  args.number("--exposure", "F", r->exposure, 0.01, 100, "", "Factor on the light");
+  args.number("--haze", "F", r->haze, 0, 10, "", "Strength of the haze; 0 switches it off");
+  args.number("--sea-level", "M", r->sea_level, -2e4, 2e4, "m", "Elevation of a water surface to draw");
+  r->scene.declare(args);
+  return [r](Console& console) { return run(*r, console); };
+}
+
+}  // namespace
+
+const Command& command_render() {
+  static const Command command = {"render", "Make a picture of a scene or a mesh",
+                                  "  tafoni render terrain.glb -o terrain.png\n"
+                                  "  tafoni render terrain.glb --inside -o cave.png\n"
+                                  "  tafoni render scene.toml --camera 100,-200,80,300,300,10 -o view.png",
+                                  setup};
+  return command;
+}
+
+}  // namespace tafoni::cli

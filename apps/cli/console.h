@@ -1,0 +1,67 @@
+#pragma once
+// Results on stdout; progress and warnings on stderr.
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tafoni/core/progress.h"
+
+namespace tafoni::cli {
+
+/// Options that every subcommand has.
+struct CommonOptions {
+  bool json = false, quiet = false, progress = false;
+};
+
+class Console : public Progress {
+ public:
+  explicit Console(const CommonOptions& options);
+  ~Console() override;
+
+  bool json() const { return options_.json; }
+  bool quiet() const { return options_.quiet; }
+  /// What was done, on stdout; nothing with --quiet.
+  void print(std::string_view text);
+  /// What the command exists for, on stdout, --quiet or not.
+  void result(std::string_view text);
+  /// Throws Error{output} when stdout could not take everything.
+  void flush();
+  std::vector<std::string> warnings() const;
+
+ protected:
+  void on_begin(std::string_view stage, std::uint64_t total, std::string_view unit) override;
+  void on_advance(std::uint64_t done) override;
+  void on_end() override;
+  void on_warn(std::string_view sentence) override;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void show(std::uint64_t done);
+  void clear();
+
+  CommonOptions options_;
+  bool terminal_ = false, shown_ = false, drawn_ = false;
+  mutable std::mutex mutex_;
+  std::string stage_, unit_;
+  std::uint64_t total_ = 0;
+  Clock::time_point begun_;
+  std::atomic<std::int64_t> next_show_{0};  ///< steady clock ticks
+  std::vector<std::string> warnings_;
+};
+
+/// "tafoni: sentence" on stderr, in red on a terminal unless NO_COLOR is set.
+void print_error(std::string_view sentence);
+
+/// 1234567 as "1,234,567".
+std::string with_commas(std::uint64_t n);
+/// Bytes as "12.3 MB".
+std::string as_bytes(std::uint64_t n);
+/// Seconds as "0.42 s", "3 min 20 s".
+std::string as_time(double seconds);
+
+}  // namespace tafoni::cli

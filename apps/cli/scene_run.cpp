@@ -1,0 +1,294 @@
+#include "scene_run.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "tafoni/core/atomic_file.h"
+#include "tafoni/io/format.h"
+#include "tafoni/scene/mesh_scene.h"
+
+namespace tafoni::cli {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+void SceneOptions::declare(Args& args) {
+  args.group("Scene");
+  args.texts("--set", "TARGET.NAME=VALUE", set,
+             "Set a parameter of a layer, a geology, the terrain or the scene; may be repeated");
+  args.numbers("--window", "X,Y,W,H", window, 4, "Part of the elevation model to use, in pixels");
+  args.number("--resolution", "M", resolution, 0, 1e5, "m", "Pixel size to bring the elevation model to");
+  args.number("--voxel", "M", voxel, 0, 1e5, "m",
+              "Size of a lattice cell; default: from pixel size and extent");
+  args.choice("--boundary", boundary, {"solid", "open"},
+              "Close the mesh with walls and a base, or leave a sheet");
+  args.number("--simplify", "M", simplify, 0, 1e4, "m", "Greatest distance a simplified mesh may stray");
+  args.integer("--seed", "N", seed, 0, std::int64_t{1} << 53, "What every random choice is made from");
+}
+
+void SceneOptions::apply(scene::Document& document) const {
+  if (!window.empty()) document.terrain.window = window;
+  if (resolution) document.terrain.resolution = *resolution;
+  if (voxel) document.scene.voxel = *voxel;
+  if (simplify) document.scene.simplify = *simplify;
+  if (seed) document.scene.seed = *seed;
+  if (!boundary.empty()) document.scene.boundary = boundary;
+  for (const std::string& assignment : set) scene::set(document, assignment);
+  scene::check(document, "the scene");
+}
+
+void OutputOptions::declare(Args& args) {
+  args.group("Output");
+  args.text("-o,--output", "FILE", mesh, "Mesh to write; the extension chooses the format");
+  args.text("--preview", "PNG", preview, "Picture to write");
+  args.text("--save-scene", "TOML", save_scene, "Scene file to write, which builds the same again");
+  args.text("--report", "JSON", report, "Report to write: timings, counts, bounds, warnings");
+  args.integer("--tiles", "N", tiles, 1, 1024,
+               "Write N x N meshes that meet exactly, as NAME_X_Y; memory for one tile at a time");
+  args.flag("--dry-run", dry_run, "Predict triangles, memory and bytes instead of writing");
+}
+
+bool is_scene_file(const std::string& path) {
+  return fs::path(path).extension() == ".toml";
+}
+
+scene::Document open_document(const std::string& path) {
+  if (is_scene_file(path)) return scene::load_scene(path);
+  scene::Document document;
+  document.terrain.source = path;
+  return document;
+}
+
+std::vector<fs::path> inputs_of(const scene::Document& document) {
+  std::vector<fs::path> out;
+  const auto add = [&](const std::string& path) {
+    if (!path.empty()) out.push_back(document.resolved(path));
+  };
+  add(document.terrain.source);
+  add(document.terrain.domain);
+  for (const scene::Layer& layer : document.layers) {
+    add(layer.settings.region);
+    add(layer.settings.mask);
+    add(layer.settings.points);
+    if (layer.type != scene::primitives_layer) continue;
+    if (const auto file = layer.values.find("file"); file != layer.values.end())
+      add(std::get<std::string>(file->second));
+  }
+  return out;
+}
+
+void check_output(const fs::path& path, const std::vector<fs::path>& inputs) {
+  std::error_code code;
+  for (const fs::path& input : inputs) {
+    if (fs::equivalent(path, input, code))
+      fail(ErrorKind::usage, "{}: is an input of this command and would be overwritten; choose another name",
+           path.string());
+  }
+  const AtomicFile probe(path);
+}
+
+void write_file(const fs::path& path, const std::string& text) {
+  AtomicFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+namespace {
+
+void check_outputs(const scene::Document& document, const std::string& scene_file,
+                   const OutputOptions& outputs) {
+  if (outputs.mesh.empty() && outputs.preview.empty() && outputs.save_scene.empty() &&
+      outputs.report.empty() && !outputs.dry_run)
+    fail(ErrorKind::usage, "nothing to write: give -o FILE, --preview PNG, --report JSON or --dry-run");
+  if (!outputs.mesh.empty()) io::format_of(outputs.mesh, io::Ability::write_mesh);
+  if (!outputs.preview.empty()) io::format_of(outputs.preview, io::Ability::write_image);
+  const bool tiled = outputs.tiles.value_or(1) > 1;
+  if (tiled && !outputs.preview.empty())
+    fail(ErrorKind::usage, "--preview needs the whole mesh at once; leave out --tiles, or use tafoni render");
+
+  std::vector<fs::path> inputs = inputs_of(document);
+  if (!outputs.save_scene.empty()) {
+    if (!is_scene_file(outputs.save_scene))
+      fail(ErrorKind::usage, "{}: a scene file must end in .toml", outputs.save_scene);
+    check_output(outputs.save_scene, inputs);
+  }
+  if (!scene_file.empty()) inputs.push_back(scene_file);
+  std::vector<std::string> seen = {outputs.save_scene};
+  for (const std::string& path : {outputs.mesh, outputs.preview, outputs.report}) {
+    if (path.empty()) continue;
+    if (std::find(seen.begin(), seen.end(), path) != seen.end())
+      fail(ErrorKind::usage, "{}: is asked for twice; give each output a name of its own", path);
+    check_output(path, inputs);
+    seen.push_back(path);
+  }
+}
+
+io::MeshMetadata metadata(const scene::BuiltScene& scene, const std::string& path) {
+  io::MeshMetadata data;
+  data.name = fs::path(path).stem().string();
+  data.crs = scene.crs;
+  data.generator["program"] = "tafoni " + std::string(scene::version());
+  data.generator["seed"] = scene.document.scene.seed;
+  data.generator["voxel"] = scene.voxel;
+  return data;
+}
+
+/// Tiles in the making; they take their places together at the end.
+class TileFolder {
+ public:
+  explicit TileFolder(const fs::path& target)
+      : target_(target),
+        folder_(target.parent_path() / fmt::format(".{}.{}", target.filename().string(), ::getpid())) {
+    std::error_code code;
+    if (!fs::create_directories(folder_, code))
+      fail(ErrorKind::output, "{}: no folder can be made beside it; check permissions and space",
+           target.string());
+  }
+  ~TileFolder() {
+    std::error_code code;
+    fs::remove_all(folder_, code);
+  }
+  TileFolder(const TileFolder&) = delete;
+  TileFolder& operator=(const TileFolder&) = delete;
+
+  fs::path next(mesh::TileIndex index) {
+    names_.push_back(
+        fmt::format("{}_{}_{}{}", target_.stem().string(), index.x, index.y, target_.extension().string()));
+    return folder_ / names_.back();
+  }
+  std::vector<fs::path> commit() {
+    std::vector<fs::path> out;
+    for (const std::string& name : names_) {
+      out.push_back(target_.parent_path() / name);
+      std::error_code code;
+      fs::rename(folder_ / name, out.back(), code);
+      if (code)
+        fail(ErrorKind::output, "{}: cannot be put in place: {}", out.back().string(), code.message());
+    }
+    return out;
+  }
+
+ private:
+  fs::path target_, folder_;
+  std::vector<std::string> names_;
+};
+
+std::string file_line(const fs::path& path) {
+  std::error_code code;
+  const auto bytes = fs::file_size(path, code);
+  return fmt::format("{}  {}\n", path.string(), code ? "" : as_bytes(bytes));
+}
+
+std::string shown(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
+  return value.dump();
+}
+
+/// What a person wants to know of a report.
+std::string summary(const Json& report) {
+  std::string out;
+  for (const Json& layer : report["layers"]) {
+    out += fmt::format("layer {}: {} primitives", layer["name"].get<std::string>(),
+                       with_commas(layer["primitives"].get<std::uint64_t>()));
+    for (const auto& [key, value] : layer.items())
+      if (key != "name" && key != "type" && key != "seconds" && key != "primitives")
+        out += fmt::format(", {} {}", key, shown(value));
+    out += "\n";
+  }
+  if (!report.contains("mesh")) return out;
+  const Json& mesh = report["mesh"];
+  out += fmt::format("mesh: {} triangles, {} pieces, voxel {} m", with_commas(mesh["triangles"]),
+                     with_commas(mesh["components"]), shown(report["voxel_m"]));
+  if (mesh.value("closed", false)) out += fmt::format(", closed, {:.6g} m3", mesh["volume_m3"].get<double>());
+  if (mesh["fragments_removed"].get<std::uint64_t>() > 0)
+    out += fmt::format(", {} floating pieces removed", with_commas(mesh["fragments_removed"]));
+  return out + "\n";
+}
+
+void print_prediction(const scene::BuiltScene& scene, Console& console) {
+  const scene::Prediction p = scene::predict(scene, console);
+  if (console.json()) {
+    const Json json = {{"voxel_m", p.voxel},
+                       {"triangles", p.triangles},
+                       {"vertices", p.vertices},
+                       {"memory_bytes", p.memory},
+                       {"glb_bytes", p.file_bytes}};
+    console.result(json.dump(2) + "\n");
+    return;
+  }
+  console.result(fmt::format(
+      "at a voxel of {:g} m, judged from one of {:g} m:\n"
+      "triangles  about {}\nmemory     about {}\nGLB file   about {}\n",
+      p.voxel, p.coarse_voxel, with_commas(p.triangles), as_bytes(p.memory), as_bytes(p.file_bytes)));
+}
+
+scene::MeshResult write_tiles(const scene::BuiltScene& scene, const OutputOptions& outputs,
+                              std::vector<fs::path>& written, Console& console) {
+  TileFolder folder(outputs.mesh);
+  scene::MeshResult result = scene::mesh_scene_tiles(
+      scene, static_cast<int>(*outputs.tiles),
+      [&](mesh::TileIndex index, mesh::Mesh&& tile) {
+        if (tile.triangles.empty()) return;
+        io::write_mesh(folder.next(index), tile, metadata(scene, outputs.mesh), console);
+      },
+      console);
+  for (auto& path : folder.commit()) written.push_back(std::move(path));
+  return result;
+}
+
+scene::MeshResult write_whole(const scene::BuiltScene& scene, const OutputOptions& outputs,
+                              std::vector<fs::path>& written, Console& console) {
+  scene::MeshResult result = scene::mesh_scene(scene, console);
+  if (result.mesh.triangles.empty())
+    fail(ErrorKind::input, "the scene has no surface; check the terrain's window, domain and voxel size");
+  if (!outputs.mesh.empty()) {
+    io::write_mesh(outputs.mesh, result.mesh, metadata(scene, outputs.mesh), console);
+    written.emplace_back(outputs.mesh);
+  }
+  if (!outputs.preview.empty()) {
+    render::RenderSettings settings;
+    settings.sea_level = scene::sea_level(scene.document);
+    const render::Scene picture(result.mesh, console);
+    io::write_image(outputs.preview, picture.render(picture.frame(settings), settings, console));
+    written.emplace_back(outputs.preview);
+  }
+  return result;
+}
+
+}  // namespace
+
+void run_scene(const scene::Document& document, const std::string& scene_file, const OutputOptions& outputs,
+               Console& console) {
+  check_outputs(document, scene_file, outputs);
+  const bool meshed = !outputs.mesh.empty() || !outputs.preview.empty() || !outputs.report.empty();
+  std::vector<fs::path> written;
+  if (meshed || outputs.dry_run) {
+    const scene::BuiltScene scene = scene::build(document, console);
+    if (outputs.dry_run) return print_prediction(scene, console);
+    const scene::MeshResult result = outputs.tiles.value_or(1) > 1 && !outputs.mesh.empty()
+                                         ? write_tiles(scene, outputs, written, console)
+                                         : write_whole(scene, outputs, written, console);
+    const std::string report = scene::report_json(scene, &result, console.warnings());
+    if (!outputs.report.empty()) {
+      write_file(outputs.report, report);
+      written.emplace_back(outputs.report);
+    }
+    if (console.json())
+      console.result(report);
+    else
+      console.print(summary(Json::parse(report)));
+  }
+  if (!outputs.save_scene.empty()) {
+    scene::save_scene(document, outputs.save_scene);
+    written.emplace_back(outputs.save_scene);
+  }
+  if (!console.json())
+    for (const fs::path& path : written) console.print(file_line(path));
+}
+
+}  // namespace tafoni::cli

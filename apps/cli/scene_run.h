@@ -1,0 +1,57 @@
+#pragma once
+// What amplify, build, query and render share: a document from the command line, and its outputs.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "args.h"
+#include "console.h"
+
+#include "tafoni/mesh/mesh.h"
+#include "tafoni/render/render.h"
+#include "tafoni/scene/build.h"
+#include "tafoni/scene/document.h"
+
+namespace tafoni::cli {
+
+/// Options that override what a scene says.
+struct SceneOptions {
+  std::vector<std::string> set;
+  std::vector<double> window;
+  std::optional<double> resolution, voxel, simplify;
+  std::optional<std::int64_t> seed;
+  std::string boundary;
+
+  void declare(Args& args);
+  void apply(scene::Document& document) const;
+};
+
+/// What a build leaves behind.
+struct OutputOptions {
+  std::string mesh, preview, save_scene, report;
+  std::optional<std::int64_t> tiles;
+  bool dry_run = false;
+
+  void declare(Args& args);
+};
+
+/// A scene file (.toml), or a scene of nothing but an elevation model.
+scene::Document open_document(const std::string& path);
+bool is_scene_file(const std::string& path);
+
+/// Builds, meshes and writes. Every output is checked before the work begins. `scene_file` is where the
+/// document came from, or empty.
+void run_scene(const scene::Document& document, const std::string& scene_file, const OutputOptions& outputs,
+               Console& console);
+
+/// Throws Error{output} when `path` could not be written, Error{usage} when it is one of `inputs`.
+void check_output(const std::filesystem::path& path, const std::vector<std::filesystem::path>& inputs);
+/// Every file that a document reads.
+std::vector<std::filesystem::path> inputs_of(const scene::Document& document);
+
+void write_file(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace tafoni::cli

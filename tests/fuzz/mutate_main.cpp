@@ -1,0 +1,114 @@
+// Runs a fuzz target without libFuzzer: mutates its seeds a given number of times, the same way each run.
+// usage: TARGET [COUNT [SEED]]
+
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "tafoni/core/random.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+std::vector<std::string> fuzz_seeds();
+
+namespace {
+
+/// Pieces that parsers treat specially.
+const std::vector<std::string> tokens = {"[",
+                                         "]",
+                                         "[[",
+                                         "]]",
+                                         "{",
+                                         "}",
+                                         "\"",
+                                         "'",
+                                         "\"\"\"",
+                                         "'''",
+                                         "=",
+                                         ".",
+                                         ",",
+                                         "#",
+                                         "\n",
+                                         "\r\n",
+                                         "\\",
+                                         "\\u0000",
+                                         "nan",
+                                         "inf",
+                                         "-",
+                                         "+",
+                                         "1e999",
+                                         "1e-999",
+                                         "9223372036854775808",
+                                         "-0",
+                                         "0x",
+                                         "true",
+                                         "1979-05-27",
+                                         "\xff",
+                                         std::string(1, '\0'),
+                                         "\xef\xbb\xbf",
+                                         "type",
+                                         "layer",
+                                         "scene",
+                                         "terrain",
+                                         "voxel",
+                                         "kind",
+                                         "point",
+                                         "sphere"};
+
+std::string mutated(std::string text, tafoni::Random& random, const std::vector<std::string>& seeds) {
+  const auto at = [&] { return random.below(text.size() + 1); };
+  for (std::uint64_t n = random.below(6) + 1; n > 0; --n) {
+    switch (random.below(7)) {
+      case 0:
+        if (!text.empty()) text[random.below(text.size())] = static_cast<char>(random.below(256));
+        break;
+      case 1:
+        text.insert(at(), tokens[random.below(tokens.size())]);
+        break;
+      case 2: {
+        const auto from = at();
+        text.erase(from, random.below(12));
+        break;
+      }
+      case 3: {
+        const auto from = at();
+        text.insert(at(), text.substr(from, random.below(40)));
+        break;
+      }
+      case 4:
+        text.resize(at());
+        break;
+      case 5: {
+        const std::string& other = seeds[random.below(seeds.size())];
+        text.insert(at(), other.substr(random.below(other.size() + 1), random.below(60)));
+        break;
+      }
+      default:
+        text.insert(at(), 1, static_cast<char>(random.below(128)));
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::uint64_t count = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 100000;
+  tafoni::Random random(argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1);
+  const std::vector<std::string> seeds = fuzz_seeds();
+  std::vector<std::string> pool = seeds;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    std::string text = mutated(pool[random.below(pool.size())], random, seeds);
+    LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+    // A pool that drifts away from the seeds reaches deeper than single mutations of them.
+    if (text.size() < 2000 && random.below(4) == 0) {
+      if (pool.size() < 500)
+        pool.push_back(std::move(text));
+      else
+        pool[seeds.size() + random.below(pool.size() - seeds.size())] = std::move(text);
+    }
+  }
+  std::printf("%llu inputs, nothing found\n", static_cast<unsigned long long>(count));
+  return 0;
+}
