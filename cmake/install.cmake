@@ -17,7 +17,10 @@ install(EXPORT tafoni_targets FILE tafoniTargets.cmake NAMESPACE tafoni:: DESTIN
 
 # Of impl/ only what public templates include.
 file(GLOB_RECURSE headers RELATIVE ${CMAKE_SOURCE_DIR}/src CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/tafoni/*.h)
-list(FILTER headers EXCLUDE REGEX "/test/|/impl/[^/]*[^l]\\.h$|/impl/[^/]*-inl\\.h$|[^.]-inl\\.h$")
+set(inline_headers ${headers})
+list(FILTER inline_headers INCLUDE REGEX "\\.inl\\.h$")
+list(FILTER headers EXCLUDE REGEX "/test/|/impl/|-inl\\.h$")
+list(APPEND headers ${inline_headers})
 foreach(header IN LISTS headers)
   get_filename_component(dir ${header} DIRECTORY)
   install(FILES ${CMAKE_SOURCE_DIR}/src/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${dir})
