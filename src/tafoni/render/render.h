@@ -41,7 +41,7 @@ class Scene {
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
-  /// A three-quarter view from outside that holds the whole mesh; where azimuth and elevation are not given,
+  /// A three-quarter view from outside that holds the whole mesh above the sea level, if one is given; where azimuth and elevation are not given,
   /// they are those that show most of cliffs and undercuts.
   Camera frame(const RenderSettings& settings) const;
 

@@ -42,11 +42,11 @@ double interest(const World& world, const Camera& camera, double aspect, std::op
         continue;
       }
       if (wall || dot(hit.face, d) > 0)
-        score -= 0.3;
+        score -= 0.6;
       else if (hit.face.z < -0.1f)
         score += 4;
       else
-        score += 0.2 + 1.3 * (1 - std::abs(hit.face.z));
+        score += 0.15 + 1.5 * (1 - std::abs(hit.face.z));
     }
     rows[static_cast<std::size_t>(row)] = score;
   });
@@ -120,7 +120,9 @@ std::optional<Vec3f> find_cave(const World& world, std::optional<float> sea) {
 
 }  // namespace
 
-Camera fit(const World& world, double azimuth, double elevation, double fov, double aspect) {
+Camera fit(const World& world, double azimuth, double elevation, double fov, double aspect,
+           std::optional<float> sea) {
+  if (sea && world.box().hi.z <= *sea) sea = std::nullopt;
   const Vec3d forward{std::sin(azimuth) * std::cos(elevation), std::cos(azimuth) * std::cos(elevation),
                       -std::sin(elevation)};
   const Vec3d right = normalized(cross(forward, Vec3d{0, 0, 1})), up = cross(right, forward);
@@ -129,6 +131,7 @@ Camera fit(const World& world, double azimuth, double elevation, double fov, dou
   double left = -1e300, right_most = -1e300, low = -1e300, high = -1e300, depth = 0;
   std::uint64_t seen = 0;
   for (const Vec3f local : world.mesh().positions) {
+    if (sea && local.z < *sea) continue;
     const Vec3d p = to_double(local);
     const double r = dot(p, right), u = dot(p, up), f = dot(p, forward);
     right_most = std::max(right_most, r - tan_x * f);
@@ -159,12 +162,12 @@ Camera best_outside(const World& world, const RenderSettings& settings, std::opt
   if (settings.elevation)
     elevations = {*settings.elevation};
   else
-    elevations = {0.32, 0.45, 0.62};
+    elevations = {0.27, 0.36, 0.50};
   Camera best;
   double best_score = -1e300;
   for (const double elevation : elevations)
     for (const double azimuth : azimuths) {
-      const Camera camera = fit(world, azimuth, elevation, fov, aspect);
+      const Camera camera = fit(world, azimuth, elevation, fov, aspect, sea);
       if (azimuths.size() * elevations.size() == 1) return camera;
       const double score = interest(world, camera, aspect, sea);
       if (score <= best_score) continue;

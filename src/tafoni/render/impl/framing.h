@@ -8,9 +8,10 @@
 
 namespace tafoni::render::impl {
 
-/// The nearest eye from which every vertex lies in the picture, looking towards `azimuth` and down by
-/// `elevation` (radians); positions local to the mesh.
-Camera fit(const World& world, double azimuth, double elevation, double fov, double aspect);
+/// The nearest eye from which every vertex not below `sea` lies in the picture, looking towards `azimuth` and
+/// down by `elevation` (radians); positions local to the mesh.
+Camera fit(const World& world, double azimuth, double elevation, double fov, double aspect,
+           std::optional<float> sea);
 
 /// The three-quarter view that shows most; see Scene::frame.
 Camera best_outside(const World& world, const RenderSettings& settings, std::optional<float> sea);

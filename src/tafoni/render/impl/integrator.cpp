@@ -107,20 +107,23 @@ Sample Integrator::solid(Vec3f from, Vec3f direction, const Hit& hit, float foot
   return {times(s.albedo, light.direct + light.indirect), light.indirect, s.albedo, s.normal, hit.t};
 }
 
-Sample Integrator::floor_beyond(Vec3f from, Vec3f direction, const Sampler& sampler) const {
+float Integrator::deepening(Vec3f p) const {
+  if (!light_.sea_floor) return 1;
   const Box3f& box = world_.box();
-  const auto outside = [&](Vec3f p) {
-    const float dx = std::max({box.lo.x - p.x, p.x - box.hi.x, 0.0f});
-    const float dy = std::max({box.lo.y - p.y, p.y - box.hi.y, 0.0f});
-    return std::sqrt(dx * dx + dy * dy);
-  };
+  const float size = length(box.size());
+  const float x = std::max(box.lo.x - p.x, p.x - box.hi.x), y = std::max(box.lo.y - p.y, p.y - box.hi.y);
+  const float outside = x > 0 && y > 0 ? std::sqrt(x * x + y * y) : std::max(x, y);
+  const float beyond = std::max(0.0f, outside + 0.06f * size) / size;
+  return 1 + 25 * beyond + 150 * beyond * beyond;
+}
+
+Sample Integrator::floor_beyond(Vec3f from, Vec3f direction, const Sampler& sampler) const {
   const float drop = from.z - *light_.sea_floor;
   Sample sample;
   sample.t = drop / std::max(-direction.z, 0.05f);
   Surface s;
   s.position = from + direction * sample.t;
-  // The floor falls away from the data, so that its edge is lost in the deep.
-  sample.t *= 1 + 8 * outside(s.position) / (length(box.size()) * 0.25f);
+  sample.t *= deepening(s.position);
   s.normal = s.face = {0, 0, 1};
   s.albedo = light_.floor_albedo;
   sample.sky_light = light_.sky({0, 0, 1}) * 0.8f;
@@ -154,9 +157,10 @@ Sample Integrator::water(Vec3f from, Vec3f direction, float t_sea, const Hit& hi
   // The ray goes on straight, not refracted, so that what stands in the water keeps its shape.
   Sample below{};
   Vec3f clear{};
-  if (hit && !(light_.sea_floor && world_.is_border(from + direction * hit.t, hit.face))) {
+  const Vec3f below_position = from + direction * hit.t;
+  if (hit && !(light_.sea_floor && world_.is_border(below_position, hit.face))) {
     below = solid(from, direction, hit, footprint, sampler);
-    clear = Light::through_water(hit.t - t_sea);
+    clear = Light::through_water((hit.t - t_sea) * deepening(below_position));
   } else if (light_.sea_floor) {
     below = floor_beyond(p, direction, sampler);
     clear = Light::through_water(below.t);

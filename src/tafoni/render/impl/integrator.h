@@ -39,6 +39,9 @@ class Integrator {
   Vec3f under_sea(Vec3f light, Vec3f position) const;
   Sample water(Vec3f from, Vec3f direction, float t_sea, const Hit& hit, float footprint,
                const Sampler& sampler) const;
+  /// How much more water seems to lie over the floor near and beyond the edge of the data, so that the edge
+  /// is lost in the deep.
+  float deepening(Vec3f position) const;
   /// The sea's floor where the data ends: it goes on from the data's own at the same depth.
   Sample floor_beyond(Vec3f from, Vec3f direction, const Sampler& sampler) const;
   Sample solid(Vec3f from, Vec3f direction, const Hit& hit, float footprint, const Sampler& sampler) const;
