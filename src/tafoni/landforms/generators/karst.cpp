@@ -1,0 +1,274 @@
+#include <algorithm>
+#include <cmath>
+
+#include "tafoni/core/random.h"
+#include "tafoni/landforms/impl/ground.h"
+#include "tafoni/landforms/impl/passages.h"
+#include "tafoni/landforms/impl/percolation.h"
+#include "tafoni/landforms/landform.h"
+#include "tafoni/landforms/spatial_hash.h"
+#include "tafoni/landforms/surface.h"
+#include "tafoni/terrain/analysis.h"
+
+namespace tafoni::landforms {
+namespace {
+
+using impl::Ground;
+
+constexpr double degree = 3.14159265358979323846 / 180;
+
+struct Params {
+  double radius = 0;
+  double spacing = 0;
+  std::int64_t sinks = 8;
+  std::int64_t faces = 6;
+  double sink_depth = 0.3;
+  double face_slope = 38;
+  double passage = 500;
+  double depth = 80;
+  double base_level = -12000;
+  double resistance = 0.75;
+  double epsilon = 0.1;
+  std::int64_t directions = 6;
+  double steepness = 0.35;
+  double cover = 1.2;
+  double beta = 0.2;
+  double threshold = 0.12;
+  double roughness = 0.5;
+  double winding = 0.5;
+};
+
+const ParamTable<Params>& table() {
+  static const ParamTable<Params> params = [] {
+    ParamTable<Params> t;
+    t.real("radius", &Params::radius, "m", 0, 200,
+           "half the width of a middling passage, 0 for half a pixel of the terrain but 2.5 m at least")
+        .real("spacing", &Params::spacing, "m", 0, 2000,
+              "radius of the Poisson spheres that keep passages apart, 0 for five times the radius")
+        .integer(
+            "sinks", &Params::sinks, "", 0, 10000,
+            "most entrances in closed depressions or, where there are too few, in the softest gentle ground")
+        .integer("faces", &Params::faces, "", 0, 10000, "most entrances in cliff faces")
+        .real("sink_depth", &Params::sink_depth, "m", 0, 1000,
+              "depressions shallower than this swallow no water")
+        .real("face_slope", &Params::face_slope, "deg", 5, 89,
+              "slope from which ground counts as a cliff face")
+        .real("passage", &Params::passage, "m", 10, 1e6, "about the length of passage that one seed may grow")
+        .real("depth", &Params::depth, "m", 1, 5000, "how far caves go down below their seed")
+        .real("base_level", &Params::base_level, "m", -12000, 10000,
+              "elevation below which there are no caves")
+        .real("resistance", &Params::resistance, "", 0, 1,
+              "rho_0: rock as hard as this or harder is not carved")
+        .real("epsilon", &Params::epsilon, "", 0, 1, "range of chance in what rock gives way next")
+        .integer("directions", &Params::directions, "", 1, 64, "ways on that are tried around a carved point")
+        .real("steepness", &Params::steepness, "", 0, 1,
+              "how steeply water seeks its way, 1 for all directions of the lower hemisphere alike")
+        .real("cover", &Params::cover, "", 0, 20, "rock left over passages, as a multiple of their radius")
+        .real("beta", &Params::beta, "", 0, 1, "effect of full stress on the most resistant rock")
+        .real("threshold", &Params::threshold, "", 0, 1,
+              "dead ends with a smaller erosion effect are left out")
+        .real("roughness", &Params::roughness, "", 0, 1, "unevenness of the walls")
+        .real("winding", &Params::winding, "", 0, 1, "how far passages wind off the straight line");
+    return t;
+  }();
+  return params;
+}
+
+class Karst {
+ public:
+  Karst(const Site& site, const Params& p, Progress& progress)
+      : p_(p), ground_(site), field_(field::compile(site.terrain)), progress_(progress) {
+    radius_ = p.radius > 0 ? p.radius : std::max(2.5, 0.5 * ground_.pixel());
+    spacing_ = p.spacing > 0 ? p.spacing : 5 * radius_;
+    const auto& heights = site.heights->values.values();
+    lowest_ = *std::min_element(heights.begin(), heights.end());
+  }
+
+  Result run() {
+    if (ground_.box().empty()) return report({}, {}, {});
+    const std::vector<Vec3d> start = seeds();
+    impl::PercolationSettings water;
+    water.spacing = spacing_;
+    water.epsilon = p_.epsilon;
+    water.threshold = p_.resistance;
+    water.directions = static_cast<int>(p_.directions);
+    water.steepness = p_.steepness;
+    // The tube reaches its radius above the axis, its unevenness and winding somewhat more.
+    water.cover = (p_.cover + 1.6) * radius_;
+    water.depth = p_.depth;
+    water.base_z = std::max(p_.base_level - ground_.site().origin.z, lowest_ + 1.2 * radius_);
+    water.face_z = std::cos(0.8 * p_.face_slope * degree);
+    water.points_per_seed = static_cast<std::size_t>(std::max(2.0, p_.passage / (1.2 * spacing_)));
+    water.seed = ground_.site().seed;
+    const auto percolation = impl::percolate(field_, ground_, start, water, progress_);
+    return carve(percolation);
+  }
+
+ private:
+  /// The user's points, then sinks, then faces.
+  std::vector<Vec3d> seeds() {
+    std::vector<Vec3d> all;
+    for (Vec3d p : ground_.site().points) {
+      if (field_.value(p) < 0) p.z = std::min(p.z, ground_.height(p.x, p.y));
+      if (ground_.usable(p)) all.push_back(p);
+    }
+    SpatialHash apart(6 * spacing_);
+    for (Vec3d p : all) apart.insert(p);
+    add_apart(sinks(), static_cast<std::size_t>(p_.sinks), apart, all);
+    add_apart(faces(), static_cast<std::size_t>(p_.faces), apart, all);
+    return all;
+  }
+
+  void add_apart(const std::vector<Vec3d>& wanted, std::size_t most, SpatialHash& apart,
+                 std::vector<Vec3d>& all) {
+    std::size_t added = 0;
+    for (std::size_t i = 0; i < wanted.size() && added < most; ++i) {
+      if (apart.any_near(wanted[i], 3 * spacing_)) continue;
+      apart.insert(wanted[i]);
+      all.push_back(wanted[i]);
+      ++added;
+    }
+  }
+
+  /// Closed depressions, the largest first, then the softest places of gentle ground in the upper half.
+  std::vector<Vec3d> sinks() {
+    if (p_.sinks == 0) return {};
+    const raster::Raster& heights = *ground_.site().heights;
+    auto found = terrain::sinks(heights, {p_.sink_depth, 4 * ground_.pixel() * ground_.pixel()}, progress_);
+    std::stable_sort(found.begin(), found.end(),
+                     [](const terrain::Sink& a, const terrain::Sink& b) { return a.volume > b.volume; });
+    std::vector<Vec3d> points;
+    for (const terrain::Sink& sink : found) {
+      const Vec2d at = heights.placement.center(sink.col, sink.row);
+      const Vec3d p{at.x, at.y, sink.elevation};
+      if (high(p) && ground_.usable(p, spacing_)) points.push_back(on_surface(p));
+    }
+    const auto gentle = soft_ground();
+    points.insert(points.end(), gentle.begin(), gentle.end());
+    return points;
+  }
+
+  /// Room below to descend into.
+  bool high(Vec3d p) const {
+    return p.z > std::max(lowest_, p_.base_level - ground_.site().origin.z) + 5 * radius_;
+  }
+
+  Vec3d on_surface(Vec3d p) const {
+    for (int i = 0; i < 6; ++i) {
+      float value = 0;
+      Vec3f gradient;
+      field_.gradients({&p, 1}, {&value, 1}, {&gradient, 1});
+      const double slope = std::min(-0.2, static_cast<double>(gradient.z));
+      p.z -= static_cast<double>(value) / slope;
+    }
+    return p;
+  }
+
+  std::vector<Vec3d> soft_ground() {
+    const Box3d& box = ground_.box();
+    std::vector<std::pair<double, Vec3d>> places;
+    const double step = 3 * spacing_;
+    Random random(ground_.site().seed, 0x51);
+    for (double y = box.lo.y; y < box.hi.y; y += step)
+      for (double x = box.lo.x; x < box.hi.x; x += step) {
+        Vec3d p{x + random.uniform(0, step), y + random.uniform(0, step), 0};
+        p.z = ground_.height(p.x, p.y);
+        if (!high(p) || !ground_.usable(p, spacing_)) continue;
+        const double d = 2 * radius_;
+        const double sx = (ground_.height(p.x + d, p.y) - ground_.height(p.x - d, p.y)) / (2 * d);
+        const double sy = (ground_.height(p.x, p.y + d) - ground_.height(p.x, p.y - d)) / (2 * d);
+        if (sx * sx + sy * sy > 0.16) continue;
+        places.emplace_back(ground_.resistance(p - Vec3d{0, 0, 3 * radius_}), on_surface(p));
+      }
+    return softest(std::move(places));
+  }
+
+  std::vector<Vec3d> faces() {
+    if (p_.faces == 0) return {};
+    SurfaceSampling sampling;
+    sampling.spacing = 0.5 * spacing_;
+    sampling.box = ground_.box();
+    sampling.seed = hash_combine(ground_.site().seed, 0xface);
+    const auto steep = static_cast<float>(std::cos(p_.face_slope * degree));
+    sampling.accept = [&](const SurfacePoint& at) {
+      return at.normal.z < steep && at.normal.z > -0.3f && high(at.position) &&
+             ground_.usable(at.position, spacing_);
+    };
+    std::vector<std::pair<double, Vec3d>> places;
+    for (const SurfacePoint& at : sample_surface(field_, sampling, progress_))
+      places.emplace_back(ground_.resistance(at.position - to_double(at.normal) * (2 * radius_)),
+                          at.position);
+    return softest(std::move(places));
+  }
+
+  static std::vector<Vec3d> softest(std::vector<std::pair<double, Vec3d>> places) {
+    std::stable_sort(places.begin(), places.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<Vec3d> points;
+    for (const auto& place : places) points.push_back(place.second);
+    return points;
+  }
+
+  Result carve(const impl::Percolation& percolation) {
+    impl::PassageSettings shape;
+    shape.radius = radius_;
+    shape.spacing = spacing_;
+    shape.beta = p_.beta;
+    shape.threshold = p_.threshold;
+    shape.roughness = p_.roughness;
+    shape.winding = p_.winding;
+    shape.seed = hash_combine(ground_.site().seed, 0x5e);
+    const auto caves = impl::make_passages(field_, ground_, percolation, shape);
+    const field::NodePtr node = impl::carve_passages(caves, ground_, shape);
+    if (!node) return report({}, {}, {});
+    const auto carved = field::compile(field::combine("blend", {ground_.site().terrain, node}));
+    return report(node, caves, impl::open_networks(carved, caves));
+  }
+
+  Result report(field::NodePtr node, const impl::CaveSystem& caves, const std::vector<bool>& open) const {
+    Result result;
+    std::vector<double> entrances;
+    double deepest = 0;
+    for (Vec3d p : caves.entrances)
+      for (double v :
+           {p.x + ground_.site().origin.x, p.y + ground_.site().origin.y, p.z + ground_.site().origin.z})
+        entrances.push_back(v);
+    for (const impl::Passage& passage : caves.passages)
+      for (Vec3d p : passage.line) deepest = std::max(deepest, ground_.height(p.x, p.y) - p.z);
+    const auto connected = std::count(open.begin(), open.end(), true);
+    result.report = {
+        {"entrances", static_cast<std::int64_t>(caves.entrances.size())},
+        {"entrance_positions", entrances},
+        {"passage_length_m", caves.length},
+        {"networks", static_cast<std::int64_t>(caves.networks)},
+        {"connected_networks", static_cast<std::int64_t>(connected)},
+        {"primitives", node ? static_cast<std::int64_t>(field::stats(node).primitives) : std::int64_t{0}},
+        {"greatest_depth_m", deepest},
+    };
+    if (node) result.nodes.push_back(std::move(node));
+    return result;
+  }
+
+  const Params& p_;
+  Ground ground_;
+  field::CompiledField field_;
+  Progress& progress_;
+  double radius_, spacing_, lowest_;
+};
+
+Result generate(const Site& site, const Values& values, Progress& progress) {
+  Params p;
+  assign(table().infos(), &p, values, "karst");
+  return Karst(site, p, progress).run();
+}
+
+}  // namespace
+
+const LandformType& landform_karst() {
+  static const LandformType type{
+      "karst", "Caves that water opens through soft rock, with sinkholes above and exits in cliffs",
+      "Paris et al. 2019, section 6.2", table().infos(), &generate};
+  return type;
+}
+
+}  // namespace tafoni::landforms

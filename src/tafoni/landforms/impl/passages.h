@@ -1,0 +1,48 @@
+#pragma once
+// From the links of a percolated network to passages: how wide they are, where they wind, what is carved.
+
+#include <cstdint>
+#include <vector>
+
+#include "tafoni/field/compiled.h"
+#include "tafoni/field/tree.h"
+#include "tafoni/landforms/impl/ground.h"
+#include "tafoni/landforms/impl/percolation.h"
+
+namespace tafoni::landforms::impl {
+
+struct PassageSettings {
+  double radius = 2.5;     ///< of a middling open passage, metres
+  double spacing = 12;     ///< of the nodes, metres
+  double beta = 0.2;       ///< effect on the most resistant rock
+  double threshold = 0.1;  ///< dead ends whose effect is smaller are left out
+  double roughness = 0.5;  ///< strength of the unevenness of the walls
+  double winding = 0.5;    ///< how far passages wind off the straight line
+  std::uint64_t seed = 0;
+};
+
+/// One way through the rock, as a line of places no farther apart than half the least radius.
+struct Passage {
+  std::vector<Vec3d> line;
+  std::vector<double> radius;  ///< open, one a place
+  std::int32_t network = 0;
+};
+
+struct CaveSystem {
+  std::vector<Passage> passages;
+  std::vector<Vec3d> entrances;  ///< where passages meet the surface
+  std::vector<Vec3d> swallets;   ///< those among them that drink water from above: a doline opens there
+  int networks = 0;
+  double length = 0;  ///< metres
+};
+
+CaveSystem make_passages(const field::CompiledField& field, const Ground& ground,
+                         const Percolation& percolation, const PassageSettings& settings);
+
+/// Point primitives that open the passages, and the dolines.
+field::NodePtr carve_passages(const CaveSystem& caves, const Ground& ground, const PassageSettings& settings);
+
+/// For each network whether all its passages are open in `field` from end to end.
+std::vector<bool> open_networks(const field::CompiledField& field, const CaveSystem& caves);
+
+}  // namespace tafoni::landforms::impl
