@@ -105,8 +105,8 @@ class Reader {
     if (width < 2 || height < 2)
       fail(ErrorKind::usage, "{}: a resolution of {} m leaves {} x {} pixels; choose a finer one.",
            source_->name, options_.resolution, width, height);
-    impl::check_memory(static_cast<double>(width) * height, frame_.reproject || frame_.rotated ? 2.5 : 1.2,
-                       source_->name);
+    constexpr double copies_while_mending = 4;
+    impl::check_memory(static_cast<double>(width) * height, copies_while_mending, source_->name);
     raster::Raster raster{impl::read_window(*source_, window_, fx, fy, width, height, progress_),
                           {0, 0, frame_.pixel_x * fx, frame_.pixel_y * fy},
                           ""};

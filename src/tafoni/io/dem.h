@@ -37,8 +37,8 @@ struct Dem {
   double step = 0;                 ///< metres: the step of stepped heights; 0 when smooth
 };
 
-/// Reads `path` by windows. Memory: the window at the resolution asked for, twice that when the grid has to
-/// be warped. Throws Error{input} for what is no elevation model, Error{usage} for options that do not fit
+/// Reads `path` by windows. Memory: the window at the resolution asked for, up to four times that while holes
+/// are mended or the grid is warped. Throws Error{input} for what is no elevation model, Error{usage} for options that do not fit
 /// the file.
 Dem read_dem(const std::filesystem::path& path, const DemOptions& options = {},
              Progress& progress = silent());

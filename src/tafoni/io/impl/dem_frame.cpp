@@ -180,6 +180,8 @@ class FrameMaker {
     for (double& v : frame_.transform) v *= metre;
     frame_.notes.push_back(fmt::format("is in {} ({}); coordinates are brought to metres.",
                                        unit != nullptr ? unit : "feet", name_of(frame_.crs)));
+    if (!source_.unit_stated)
+      frame_.notes.push_back("names no unit of height; taken as metres, although its coordinates are not.");
     frame_.crs.SetLinearUnitsAndUpdateParameters("metre", 1.0);
     frame_.crs.SetNode(frame_.crs.IsProjected() ? "PROJCS" : "LOCAL_CS",
                        (name_of(frame_.crs) + " in metres").c_str());

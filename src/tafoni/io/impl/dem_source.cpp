@@ -169,8 +169,10 @@ class GdalSource final : public DemSource {
       const char* vertical = nullptr;
       unit = crs.GetTargetLinearUnits("VERT_CS", &vertical);
       height_unit = vertical != nullptr ? vertical : "metre";
+      unit_stated = true;
     } else if (const double metres = metres_of(word); metres > 0) {
       unit = metres;
+      unit_stated = !word.empty();
       if (!word.empty()) height_unit = metres == 1 ? "metre" : word;
     } else {
       notes.push_back(
@@ -304,6 +306,7 @@ std::unique_ptr<DemSource> DemSource::open(const std::filesystem::path& path, in
     source->offset = 0;
     source->unit = 1;
     source->height_unit = "metre";
+    source->unit_stated = true;
     std::erase_if(source->notes,
                   [](const std::string& note) { return note.find("1/128 m") != std::string::npos; });
   }

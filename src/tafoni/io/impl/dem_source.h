@@ -51,6 +51,7 @@ class DemSource {
   bool georeferenced = false;
   OGRSpatialReference crs;  ///< x, y order; empty when unknown
   std::string height_unit = "metre";
+  bool unit_stated = false;
   double scale = 1, offset = 0;  ///< stored value -> the height unit
   double unit = 1;               ///< metres a height unit
   std::vector<std::string> notes;

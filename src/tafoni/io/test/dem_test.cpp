@@ -537,6 +537,22 @@ TEST(ReadDem, PixelIsPointFilesAreHalfAPixelApart) {
   EXPECT_DOUBLE_EQ(centre.south, 195);
 }
 
+TEST(ReadDem, FeetOnTheMapDoNotMakeTheHeightsFeet) {
+  const fs::path path = ascii("feet.asc", 8, 8, "xllcorner 6400000\nyllcorner 1900000\ncellsize 10", hill);
+  written("feet.prj",
+          "PROJCS[\"NAD83 / California zone 5 (ftUS)\",GEOGCS[\"NAD83\",DATUM[\"North_American_Datum_1983\","
+          "SPHEROID[\"GRS "
+          "1980\",6378137,298.257222101]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]],"
+          "PROJECTION[\"Lambert_Conformal_Conic_2SP\"],PARAMETER[\"standard_parallel_1\",35.4666666666667],"
+          "PARAMETER[\"standard_parallel_2\",34.0333333333333],PARAMETER[\"latitude_of_origin\",33.5],"
+          "PARAMETER[\"central_meridian\",-118],PARAMETER[\"false_easting\",6561666.667],"
+          "PARAMETER[\"false_northing\",1640416.667],UNIT[\"US survey foot\",0.304800609601219]]");
+  const Dem dem = read_dem(path);
+  EXPECT_THAT(joined(dem.notes), HasSubstr("names no unit of height"));
+  EXPECT_NEAR(dem.raster.placement.dx, 12000.0 / 3937, 1e-6);
+  EXPECT_NEAR(at(dem.raster, 3, 4), hill(3, 4), 1e-3);
+}
+
 /// A little-endian GeoTIFF of 4 x 3 floats, tie point (0, 0) = (500000, 5900000), 10 m; `type` 1 says that
 /// pixels are areas, 2 that they are points (GTRasterTypeGeoKey).
 std::string tiny_geotiff(int type) {
