@@ -156,11 +156,11 @@ Interval CompiledField::interval(const Box3d& box) const {
       const impl::DomainLeaf& leaf = *program_->domains[in.index];
       const Box3d& d = leaf.domain.box;
       // The distance to a rectangle's border is 1-Lipschitz; at a box it is bounded axis by axis.
-      const double lo = std::min(std::min(box.lo.x - d.lo.x, d.hi.x - box.hi.x),
-                                 std::min(box.lo.y - d.lo.y, d.hi.y - box.hi.y));
+      const double lo = impl::corner_distance(std::min(box.lo.x - d.lo.x, d.hi.x - box.hi.x),
+                                              std::min(box.lo.y - d.lo.y, d.hi.y - box.hi.y));
       const double mx = std::min(std::min(box.hi.x, d.hi.x) - d.lo.x, d.hi.x - std::max(box.lo.x, d.lo.x));
       const double my = std::min(std::min(box.hi.y, d.hi.y) - d.lo.y, d.hi.y - std::max(box.lo.y, d.lo.y));
-      float least = static_cast<float>(lo), most = static_cast<float>(std::min(mx, my));
+      float least = static_cast<float>(lo), most = static_cast<float>(impl::corner_distance(mx, my));
       if (leaf.inside) {
         const auto r = leaf.inside->range(box.lo.x, box.lo.y, box.hi.x, box.hi.y);
         least = std::min(least, r.lo);

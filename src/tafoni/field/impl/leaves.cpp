@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>
 // foreach_target must come before what it compiles again.
 #include <algorithm>
+#include <cmath>
 
 #include "tafoni/math/lanes-inl.h"
 
@@ -125,10 +126,14 @@ void height_columns(const HeightLeaf& leaf, const Axis& x, const Axis& y, Column
     first_order_scale(Lanes::load(&out.scale[i]) * sx, Lanes::load(&gy[i]) * sy).store(&out.scale[i]);
 }
 
+/// corner_distance() of lanes.
+HWY_INLINE Lanes corner_lanes(Lanes a, Lanes b) {
+  return select(max(a, b) < Lanes(0.f), -sqrt(mul_add(a, a, b * b)), min(a, b));
+}
 /// Signed distance to the rectangle's border in the plane, positive inside.
 HWY_INLINE float rectangle_distance(const Box3d& box, double x, double y) {
   return static_cast<float>(
-      std::min(std::min(x - box.lo.x, box.hi.x - x), std::min(y - box.lo.y, box.hi.y - y)));
+      corner_distance(std::min(x - box.lo.x, box.hi.x - x), std::min(y - box.lo.y, box.hi.y - y)));
 }
 
 void domain_columns(const DomainLeaf& leaf, const Axis& x, const Axis& y, Columns& out) {
@@ -163,7 +168,8 @@ void domain_block(const DomainLeaf& leaf, const float* value, const Block& block
     for (std::size_t l = 0; l < 8; l += lane_count()) {
       const Lanes d = Lanes::load(value + j * Columns::stride + l);
       for (int k = 0; k < block.nz; ++k)
-        sigma_lanes(leaf.sigma, min(d, Lanes(z[k]))).store(block.f + k * block.plane + j * block.row + l);
+        sigma_lanes(leaf.sigma, corner_lanes(d, Lanes(z[k])))
+            .store(block.f + k * block.plane + j * block.row + l);
     }
 }
 
@@ -252,6 +258,17 @@ void height_gradients(const HeightLeaf& leaf, const Vec3d* p, const PointLanes& 
   }
 }
 
+/// Gradient of rectangle_distance().
+HWY_INLINE void rectangle_gradient(const Box3d& box, Vec3d p, float& gx, float& gy) {
+  const double west = p.x - box.lo.x, east = box.hi.x - p.x, south = p.y - box.lo.y, north = box.hi.y - p.y;
+  const double a = std::min(west, east), b = std::min(south, north);
+  const double dx = west < east ? 1 : -1, dy = south < north ? 1 : -1;
+  const bool outside = a < 0 && b < 0;
+  const double r = outside ? std::sqrt(a * a + b * b) : 1;
+  gx = static_cast<float>(outside ? -a / r * dx : a <= b ? dx : 0);
+  gy = static_cast<float>(outside ? -b / r * dy : a <= b ? 0 : dy);
+}
+
 void domain_gradients(const DomainLeaf& leaf, const Vec3d* p, const PointLanes& lanes, PointValues& out) {
   PointSamples s;
   alignas(32) float inside[8], inside_x[8], inside_y[8], z[8], d[8];
@@ -268,24 +285,21 @@ void domain_gradients(const DomainLeaf& leaf, const Vec3d* p, const PointLanes& 
     const float plane = rectangle_distance(box, p[l].x, p[l].y);
     d[l] = leaf.inside ? std::min(inside[l], plane) : plane;
     out.gx[l] = out.gy[l] = out.gz[l] = 0;
-    if (z[l] < d[l]) {
-      out.gz[l] = 1;
-    } else if (leaf.inside && inside[l] < plane) {
-      out.gx[l] = inside_x[l], out.gy[l] = inside_y[l];
-    } else {
-      const double west = p[l].x - box.lo.x, east = box.hi.x - p[l].x, south = p[l].y - box.lo.y,
-                   north = box.hi.y - p[l].y;
-      const double least = std::min(std::min(west, east), std::min(south, north));
-      if (least == west)
-        out.gx[l] = 1;
-      else if (least == east)
-        out.gx[l] = -1;
+    if (z[l] >= d[l] || d[l] < 0) {
+      if (leaf.inside && inside[l] < plane)
+        out.gx[l] = inside_x[l], out.gy[l] = inside_y[l];
       else
-        out.gy[l] = least == south ? 1.f : -1.f;
+        rectangle_gradient(box, p[l], out.gx[l], out.gy[l]);
+    }
+    if (z[l] < d[l]) out.gz[l] = 1;
+    if (z[l] < 0 && d[l] < 0) {
+      const float r = std::sqrt(d[l] * d[l] + z[l] * z[l]), k = -d[l] / r;
+      out.gx[l] *= k, out.gy[l] *= k;
+      out.gz[l] = -z[l] / r;
     }
   }
   for (std::size_t l = 0; l < 8; l += lane_count()) {
-    const Lanes x = min(Lanes::load(d + l), Lanes::load(z + l)), slope = sigma_slope(leaf.sigma, x);
+    const Lanes x = corner_lanes(Lanes::load(d + l), Lanes::load(z + l)), slope = sigma_slope(leaf.sigma, x);
     sigma_lanes(leaf.sigma, x).store(out.v + l);
     (slope * Lanes::load(out.gx + l)).store(out.gx + l);
     (slope * Lanes::load(out.gy + l)).store(out.gy + l);
@@ -302,7 +316,7 @@ void domain_points(const DomainLeaf& leaf, const Vec3d* p, const PointLanes& lan
     Lanes plane = Lanes::load(d + l);
     if (leaf.inside) plane = min(across(s.v, s.w, l), plane);
     const Lanes z = metres_of(lanes.z + l, lanes.zr + l) - Lanes(static_cast<float>(leaf.domain.box.lo.z));
-    sigma_lanes(leaf.sigma, min(plane, z)).store(f + l);
+    sigma_lanes(leaf.sigma, corner_lanes(plane, z)).store(f + l);
   }
 }
 

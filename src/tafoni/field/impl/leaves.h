@@ -1,6 +1,8 @@
 #pragma once
 // The two leaves that cover the plane: the heightfield and the domain prism (document 003, section 5.1).
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -66,6 +68,13 @@ struct HeightLeaf {
   Sigma sigma;
   bool first_order;
 };
+
+/// Signed distance to the border of what two signed distances of perpendicular borders leave, positive
+/// inside. Grows with both.
+template <class T>
+T corner_distance(T a, T b) {
+  return a < 0 && b < 0 ? -std::sqrt(a * a + b * b) : std::min(a, b);
+}
 
 struct DomainLeaf {
   Domain domain;

@@ -107,7 +107,7 @@ Interval height_range(const HeightLeaf& leaf, float lo, float hi, float scale_lo
 
 Interval domain_range(const DomainLeaf& leaf, float lo, float hi, float z0, float z1) {
   const float base = static_cast<float>(leaf.domain.box.lo.z);
-  return widened({leaf.sigma(std::min(lo, z0 - base)), leaf.sigma(std::min(hi, z1 - base))},
+  return widened({leaf.sigma(corner_distance(lo, z0 - base)), leaf.sigma(corner_distance(hi, z1 - base))},
                  leaf.sigma.amplitude);
 }
 

@@ -248,7 +248,10 @@ TEST(Engine, AgreesWithTheDefinitionInDouble) {
     const auto& h = heights->values;
     const double height = (h.at(x, y) * (1 - fx) + h.at(x + 1, y) * fx) * (1 - fy) +
                           (h.at(x, y + 1) * (1 - fx) + h.at(x + 1, y + 1) * fx) * fy;
-    const double inside = std::min({p.x + 100, 100 - p.x, p.y + 100, 100 - p.y, p.z + 60});
+    const double west = std::min(p.x + 100, 100 - p.x), south = std::min(p.y + 100, 100 - p.y),
+                 base = p.z + 60;
+    const double outside = std::hypot(std::min(west, 0.0), std::min(south, 0.0), std::min(base, 0.0));
+    const double inside = outside > 0 ? -outside : std::min({west, south, base});
     double f = std::min(sigma(height - p.z), sigma(inside));
     for (std::size_t k = 0; k < prims.size(); ++k) {
       const double d = length(p - prims[k].c);
