@@ -188,9 +188,11 @@ double default_voxel(const raster::Raster& raster) {
   const double extent = std::max(raster.placement.dx * raster.width(), raster.placement.dy * raster.height());
   const double wanted = std::max(pixel / 2, extent / 1000);
   const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
-  for (double digit : {1.0, 2.0, 2.5, 5.0})
-    if (decade * digit >= wanted * 0.999) return decade * digit;
-  return decade * 10;
+  double best = decade;
+  for (double digit : {2.0, 2.5, 5.0, 10.0})
+    if (std::abs(std::log(decade * digit / wanted)) < std::abs(std::log(best / wanted)))
+      best = decade * digit;
+  return best;
 }
 
 std::optional<double> sea_level(const Document& document) {
@@ -216,6 +218,11 @@ BuiltScene build(const Document& document, Progress& progress) {
   scene.seconds.emplace_back("read terrain", watch.seconds());
   scene.crs = raster.crs;
   scene.voxel = document.scene.voxel > 0 ? document.scene.voxel : default_voxel(raster);
+  if (document.scene.voxel <= 0 && !document.layers.empty() && scene.voxel > scene.settings.influence / 4)
+    progress.warn(fmt::format(
+        "the terrain is so large that the voxel was set to {:g} m, too coarse for landforms of a few metres; "
+        "choose a part of it with --window (or window = […]), or a smaller voxel",
+        scene.voxel));
 
   watch = {};
   terrain::TerrainOptions options;

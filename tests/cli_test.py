@@ -1,0 +1,321 @@
+"""Drives the command line end to end: exit codes, messages, files left behind, and the field against a
+brute-force evaluation of DESIGN section 6 in double precision."""
+
+import json
+import math
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+TAFONI = os.environ["TAFONI_CLI"]
+
+
+def run(*args, cwd=None, stdin=None, env=None):
+    return subprocess.run([TAFONI, *map(str, args)], cwd=cwd, input=stdin, capture_output=True, text=True,
+                          env={**os.environ, **(env or {})}, timeout=300)
+
+
+def write_asc(path, heights, pixel, west, south):
+    """An ESRI grid; heights[0] is the north row."""
+    lines = [f"ncols {len(heights[0])}", f"nrows {len(heights)}", f"xllcorner {west}", f"yllcorner {south}",
+             f"cellsize {pixel}"]
+    lines += [" ".join(repr(h) for h in row) for row in heights]
+    Path(path).write_text("\n".join(lines) + "\n")
+
+
+def float32(v):
+    import struct
+    return struct.unpack("f", struct.pack("f", v))[0]
+
+
+class Brute:
+    """f = min(f_T, f_P) + sum of energy g, bilinear heights, vertical distance."""
+
+    def __init__(self, heights, pixel, west, south, base, influence, amplitude, primitives):
+        self.h, self.pixel, self.west, self.south, self.base = heights, pixel, west, south, base
+        self.R, self.T, self.primitives = influence, amplitude, primitives
+        self.rows, self.cols = len(heights), len(heights[0])
+        self.north = south + pixel * self.rows
+        self.east = west + pixel * self.cols
+
+    def sigma(self, x):
+        a = abs(x)
+        R, T = self.R, self.T
+        s = T if a >= R else a + (3 * T - 2 * R) / R**2 * a * a + (R - 2 * T) / R**3 * a**3
+        return math.copysign(s, x)
+
+    def height(self, x, y):
+        u = min(max((x - self.west) / self.pixel - 0.5, 0), self.cols - 1)
+        v = min(max((self.north - y) / self.pixel - 0.5, 0), self.rows - 1)
+        i, j = min(int(u), self.cols - 2), min(int(v), self.rows - 2)
+        a, b = u - i, v - j
+        top = self.h[j][i] * (1 - a) + self.h[j][i + 1] * a
+        bottom = self.h[j + 1][i] * (1 - a) + self.h[j + 1][i + 1] * a
+        return top * (1 - b) + bottom * b
+
+    def border(self, x, y, z):
+        """Signed distance to the border of the prism, positive inside."""
+        d = [min(x - self.west, self.east - x), min(y - self.south, self.north - y), z - self.base]
+        return min(d) if min(d) >= 0 else -math.hypot(*(min(v, 0) for v in d))
+
+    def g(self, u):
+        return (1 - u * u) ** 3 if u < 1 else 0.0
+
+    def value(self, x, y, z):
+        f = min(self.sigma(self.height(x, y) - z), self.sigma(self.border(x, y, z)))
+        for kind, px, py, pz, radius, energy in self.primitives:
+            d = math.dist((x, y, z), (px, py, pz))
+            f += energy * (self.g(d / radius) if kind == "point" else self.g(max(d - radius, 0) / self.R))
+        return f
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.dir = Path(folder.name)
+
+    def files(self):
+        return sorted(p.name for p in self.dir.rglob("*"))
+
+    def fails(self, code, says, *args, **kwargs):
+        done = run(*args, cwd=self.dir, **kwargs)
+        self.assertEqual(done.returncode, code, done.stderr)
+        self.assertIn(says, done.stderr)
+        lines = [line for line in done.stderr.splitlines() if "warning:" not in line]
+        self.assertEqual(len(lines), 1, done.stderr)
+        self.assertTrue(lines[0].startswith("tafoni: "), done.stderr)
+
+    def passes(self, *args, **kwargs):
+        done = run(*args, cwd=self.dir, **kwargs)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def hill(self, name="hill.asc", n=40, pixel=2.0, west=0, south=0, seed=1):
+        rng = random.Random(seed)
+        waves = [(rng.uniform(0.05, 0.4), rng.uniform(0.05, 0.4), rng.uniform(0, 6), rng.uniform(1, 4)) for _ in range(4)]
+        heights = [[float32(50 + sum(a * math.sin(p * i + q * j + r) for p, q, r, a in waves)) for i in range(n)]
+                   for j in range(n)]
+        write_asc(self.dir / name, heights, pixel, west, south)
+        return heights
+
+
+class Query(Case):
+    def check(self, west, south):
+        pixel, n, R, T, voxel = 2.0, 40, 12.0, 6.0, 1.0
+        heights = self.hill(n=n, pixel=pixel, west=west, south=south)
+        rng = random.Random(5)
+        size = pixel * n
+
+        def near_surface():
+            x, y = rng.uniform(0, size), rng.uniform(0, size)
+            return west + x, south + y, 50 + rng.uniform(-15, 15)
+
+        primitives = [(rng.choice(["point", "sphere"]), *near_surface(), rng.uniform(1, 8), rng.uniform(-8, 4))
+                      for _ in range(40)]
+        (self.dir / "p.csv").write_text("# made by the test\nkind,x,y,z,radius,energy\n" +
+                                        "".join(",".join(map(str, p)) + "\n" for p in primitives))
+        (self.dir / "s.toml").write_text(
+            f"[scene]\nvoxel = {voxel}\n[terrain]\nsource = 'hill.asc'\ninfluence = {R}\namplitude = {T}\n"
+            "interpolation = 'bilinear'\ndistance = 'vertical'\n[[layer]]\ntype = 'primitives'\nfile = 'p.csv'\n")
+        report = json.loads(self.passes("build", "s.toml", "--report", "r.json", "--json"))
+        base = report["terrain"]["domain"]["low"][2]
+        self.assertLessEqual(base, min(map(min, heights)) - R)
+        brute = Brute(heights, pixel, west, south, base, R, T, primitives)
+
+        points = [near_surface() for _ in range(1500)]
+        points += [(west + rng.uniform(-20, size + 20), south + rng.uniform(-20, size + 20), base + rng.uniform(-20, 60))
+                   for _ in range(1500)]
+        points += [p[1:4] for p in primitives]
+        (self.dir / "q.csv").write_text("x,y,z\n" + "".join(f"{x!r},{y!r},{z!r}\n" for x, y, z in points))
+        rows = self.passes("query", "s.toml", "--points", "q.csv").splitlines()
+        self.assertEqual(rows[0], "x,y,z,f,gx,gy,gz")
+        self.assertEqual(len(rows), len(points) + 1)
+        worst = 0
+        smooth = 0
+        for point, row in zip(points, rows[1:]):
+            x, y, z, f, gx, gy, gz = map(float, row.split(","))
+            self.assertEqual((x, y, z), tuple(map(float, point)))
+            worst = max(worst, abs(f - brute.value(x, y, z)))
+            step = 1e-3
+            numeric = [(brute.value(*[v + (k == axis) * step for k, v in enumerate(point)]) -
+                        brute.value(*[v - (k == axis) * step for k, v in enumerate(point)])) / (2 * step)
+                       for axis in range(3)]
+            smooth += max(abs(a - b) for a, b in zip((gx, gy, gz), numeric)) < 2e-2
+        self.assertLess(worst, 1e-4 * T)
+        # Differences straddle a crease of min() or of the bilinear patches at a few points.
+        self.assertGreater(smooth, 0.98 * len(points))
+
+    def test_equals_brute_force(self):
+        self.check(0, 0)
+
+    def test_equals_brute_force_far_from_the_origin(self):
+        self.check(1000000, 5500000)
+
+    def test_reads_standard_input_and_writes_files(self):
+        self.hill()
+        rows = self.passes("query", "hill.asc", "--points", "-", stdin="10,10,1000\n11,11,30\n").splitlines()
+        self.assertEqual(rows[1].split(",")[3], "-7.5")
+        self.passes("query", "hill.asc", "--points", "-", "-o", "out.csv", stdin="10,10,1000\n")
+        self.assertEqual((self.dir / "out.csv").read_text().splitlines()[1], rows[1])
+        values = json.loads(self.passes("query", "hill.asc", "--points", "-", "--json", stdin="10,10,1000\n"))
+        self.assertEqual(values[0]["f"], -7.5)
+
+
+class Errors(Case):
+    def test_wrong_arguments(self):
+        self.hill()
+        self.fails(2, 'unknown command "amplfy"; did you mean amplify?', "amplfy")
+        self.fails(2, "unknown option --voxl; did you mean --voxel?", "build", "hill.asc", "--voxl", "1")
+        self.fails(2, "SCENE is required", "build")
+        self.fails(2, "--voxel must be a number, 0 to 100000 m", "build", "hill.asc", "--voxel", "x", "-o", "a.glb")
+        self.fails(2, "--voxel = -3 is outside 0 to 100000 m", "build", "hill.asc", "--voxel", "-3", "-o", "a.glb")
+        self.fails(2, "--boundary", "build", "hill.asc", "--boundary", "opn", "-o", "a.glb")
+        self.fails(2, 'did you mean "karst"?', "amplify", "hill.asc", "-l", "karts", "-o", "a.glb")
+        self.fails(2, "did you mean", "amplify", "hill.asc", "--geology", "stata", "-o", "a.glb")
+        self.fails(2, 'has no layer or geology "karst"', "amplify", "hill.asc", "--set", "karst.x=1", "-o", "a.glb")
+        self.fails(2, "nothing to write", "amplify", "hill.asc")
+        self.fails(2, "query needs --points", "query", "hill.asc")
+        self.fails(2, "did you mean", "list", "landform")
+        self.fails(2, "did you mean", "list", "landforms", "karsts")
+        self.fails(2, "did you mean", "generate", "cost", "-o", "a.tif")
+        self.fails(2, "unknown parameter", "generate", "coast", "-o", "a.tif", "--set", "widht=3")
+        self.fails(2, "must have 6", "render", "hill.asc", "--camera", "-1,2,3", "-o", "a.png")
+        self.assertEqual(self.files(), ["hill.asc"])
+
+    def test_unusable_inputs(self):
+        self.fails(3, "missing.tif", "amplify", "missing.tif", "-o", "a.glb")
+        self.fails(3, "missing.toml: does not exist", "build", "missing.toml", "-o", "a.glb")
+        self.fails(3, "missing.glb", "validate", "missing.glb")
+        (self.dir / "s.toml").write_text("[terrain]\nsource = 'hill.asc'\ninfluence = 99\n")
+        self.fails(3, "s.toml: influence = 99 m is more than three times", "build", "s.toml", "-o", "a.glb")
+        self.hill()
+        self.fails(3, "missing.csv: does not exist", "query", "hill.asc", "--points", "missing.csv")
+        self.fails(3, "x is \"a\", which is not a number", "query", "hill.asc", "--points", "-", stdin="x,y,z\na,1,2\n")
+        (self.dir / "p.toml").write_text("[terrain]\nsource = 'hill.asc'\n[[layer]]\ntype = 'primitives'\nfile = 'p.csv'\n")
+        (self.dir / "p.csv").write_text("kind,x,y,z,radius,energy\npoint,1,2,3,4,5\ncube,1,2,3,4,5\n")
+        self.fails(3, "p.csv:3: kind is \"cube\"; expected point or sphere", "build", "p.toml", "-o", "a.glb")
+        (self.dir / "p.csv").write_text("kind,x,y,z,radius,energy\npoint,1e8,2,3,4,5\n")
+        self.fails(3, "p.csv:2: ", "build", "p.toml", "-o", "a.glb")
+        self.assertNotIn("a.glb", self.files())
+
+    def test_outputs_are_checked_before_the_work(self):
+        self.hill()
+        self.fails(4, "no/such/folder", "build", "hill.asc", "-o", "no/such/folder/a.glb")
+        self.fails(2, "a.xyz", "build", "hill.asc", "-o", "a.xyz")
+        self.fails(2, "is an input of this command and would be overwritten", "amplify", "hill.asc", "--report", "hill.asc")
+        self.fails(2, "asked for twice", "build", "hill.asc", "-o", "a.glb", "--report", "a.glb")
+        self.fails(2, "must end in .toml", "build", "hill.asc", "--save-scene", "a.txt")
+        if os.geteuid() != 0:
+            locked = self.dir / "locked"
+            locked.mkdir(mode=0o500)
+            self.fails(4, "locked", "build", "hill.asc", "-o", "locked/a.glb")
+
+    def test_a_full_disk_is_one_sentence(self):
+        if not os.path.exists("/dev/full"):
+            self.skipTest("this machine has no /dev/full")
+        with open("/dev/full", "w") as full:
+            done = subprocess.run([TAFONI, "list"], stdout=full, stderr=subprocess.PIPE, text=True)
+        self.assertEqual(done.returncode, 4)
+        self.assertEqual(done.stderr, "tafoni: standard output could not be written; is the disk full?\n")
+
+
+class Build(Case):
+    def test_a_saved_scene_builds_the_same_bytes(self):
+        self.hill()
+        out = self.dir / "deep" / "er"
+        out.mkdir(parents=True)
+        self.passes("amplify", "hill.asc", "--voxel", "1.5", "--seed", "4", "-o", "a.ply", "--save-scene", "deep/er/s.toml")
+        self.assertIn("../../hill.asc", (out / "s.toml").read_text())
+        (self.dir / "again").mkdir()
+        self.passes("build", "deep/er/s.toml", "-o", "again/a.ply", "--threads", "1")
+        self.assertEqual((self.dir / "a.ply").read_bytes(), (self.dir / "again/a.ply").read_bytes())
+
+    def test_meshes_are_valid_closed_or_open(self):
+        self.hill()
+        self.passes("build", "hill.asc", "--voxel", "1", "-o", "solid.glb")
+        self.passes("validate", "solid.glb", "--closed")
+        self.passes("build", "hill.asc", "--voxel", "1", "-o", "open.glb", "--boundary", "open")
+        self.passes("validate", "open.glb")
+        self.fails(5, "not closed", "validate", "open.glb", "--closed")
+        metrics = json.loads(self.passes("metrics", "solid.glb", "--json"))
+        self.assertTrue(metrics["closed"])
+        self.assertEqual(metrics["genus"], 0)
+
+    def test_tiles_hold_the_same_triangles(self):
+        self.hill(n=120)
+        whole = json.loads(self.passes("build", "hill.asc", "--voxel", "1", "-o", "w.ply", "--json"))
+        self.passes("build", "hill.asc", "--voxel", "1", "-o", "t.ply", "--tiles", "3")
+        tiles = sorted(self.dir.glob("t_*.ply"))
+        self.assertGreater(len(tiles), 4)
+        count = sum(json.loads(self.passes("metrics", t.name, "--json"))["triangles"] for t in tiles)
+        self.assertEqual(count, whole["mesh"]["triangles"])
+        self.assertEqual([f for f in self.files() if f.startswith(".")], [])
+
+    def test_dry_run_predicts_and_writes_nothing(self):
+        self.hill(n=150)
+        said = json.loads(self.passes("build", "hill.asc", "--voxel", "0.5", "-o", "a.glb", "--dry-run", "--json"))
+        self.assertEqual(self.files(), ["hill.asc"])
+        done = json.loads(self.passes("build", "hill.asc", "--voxel", "0.5", "-o", "a.glb", "--json"))
+        self.assertLess(abs(said["triangles"] / done["mesh"]["triangles"] - 1), 0.15)
+        self.assertLess(abs(said["glb_bytes"] / (self.dir / "a.glb").stat().st_size - 1), 0.2)
+
+    def test_quiet_and_streams(self):
+        self.hill()
+        done = run("build", "hill.asc", "-o", "a.glb", "--quiet", cwd=self.dir)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+        done = run("build", "hill.asc", "-o", "a.glb", "--progress", cwd=self.dir)
+        self.assertIn("%", done.stderr)
+        self.assertNotIn("\x1b", done.stderr + done.stdout)
+
+    def test_an_interrupted_build_leaves_nothing(self):
+        self.hill(n=400)
+        before = self.files()
+        for tiles in ([], ["--tiles", "4"]):
+            work = subprocess.Popen([TAFONI, "build", "hill.asc", "--voxel", "0.2", "-o", "a.ply", "--report", "r.json", *tiles],
+                                    cwd=self.dir, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            time.sleep(1.0)
+            work.send_signal(signal.SIGINT)
+            _, said = work.communicate(timeout=60)
+            self.assertEqual(work.returncode, 130, said)
+            self.assertIn("tafoni: interrupted; nothing half-written is left", said)
+            self.assertEqual(self.files(), before)
+
+
+class Reference(Case):
+    def test_help_and_list_cover_everything(self):
+        help_text = self.passes("--help")
+        listed = json.loads(self.passes("list", "--json"))
+        page = self.passes("list", "--markdown")
+        for command in listed["commands"]:
+            self.assertIn(command["name"], help_text)
+            self.assertIn(command["doc"][:40], self.passes(command["name"], "--help"))
+        for topic, entries in listed.items():
+            for entry in entries:
+                self.assertIn(f"### {entry['name']}\n", page)
+                self.assertTrue(entry["doc"], f"{topic} {entry['name']}")
+                for param in entry.get("params", []):
+                    self.assertTrue(param["doc"], f"{entry['name']}.{param['name']}")
+                    self.assertIn(f"`{param['name']}`", page)
+
+    def test_info_reads_terrain_and_scene(self):
+        self.hill()
+        self.assertEqual(json.loads(self.passes("info", "hill.asc", "--json"))["width"], 40)
+        (self.dir / "s.toml").write_text("[terrain]\nsource = 'hill.asc'\n[[layer]]\ntype = 'karst'\nenabled = false\n")
+        self.assertIn("karst (off)", self.passes("info", "s.toml"))
+        self.assertEqual(json.loads(self.passes("info", "s.toml", "--json"))["source"]["width"], 40)
+
+    def test_generate_is_reproducible(self):
+        for name in ("a.tif", "b.tif"):
+            self.passes("generate", "coast", "-o", name, "--seed", "3", "--set", "width=64", "--set", "coast.height=48")
+        self.assertEqual((self.dir / "a.tif").read_bytes(), (self.dir / "b.tif").read_bytes())
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main())
