@@ -1,0 +1,92 @@
+#pragma once
+// What the tests of elevation input share: made files, real files, and the truth about the awkward ones.
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/io/dem.h"
+
+namespace tafoni::io {
+
+namespace fs = std::filesystem;
+
+inline const fs::path data = fs::path(TAFONI_SOURCE_DIR) / ".." / "shared" / "data" / "dem";
+#define NEEDS_DATA() \
+  if (!fs::exists(data)) GTEST_SKIP() << "needs the elevation models of ../shared/data/dem"
+
+struct TemporaryFolder {
+  fs::path path = fs::temp_directory_path() / fmt::format("tafoni_dem_{}", ::getpid());
+  TemporaryFolder() { fs::create_directories(path); }
+  ~TemporaryFolder() { fs::remove_all(path); }
+};
+inline fs::path temporary(const std::string& name) {
+  static const TemporaryFolder folder;
+  return folder.path / name;
+}
+inline fs::path written(const std::string& name, const std::string& content) {
+  std::ofstream(temporary(name), std::ios::binary) << content;
+  return temporary(name);
+}
+
+/// An ESRI ASCII grid; `f(col, row)` in text.
+template <class F>
+fs::path ascii(const std::string& name, int width, int height, const std::string& place, F&& f) {
+  std::string text = fmt::format("ncols {}\nnrows {}\n{}\n", width, height, place);
+  for (int r = 0; r < height; ++r) {
+    for (int c = 0; c < width; ++c) text += fmt::format("{} ", f(c, r));
+    text += '\n';
+  }
+  return written(name, text);
+}
+inline double hill(int c, int r) {
+  return 300 + 0.5 * c + 10 * std::sin(0.21 * r);
+}
+inline const std::string at_home = "xllcorner 500000\nyllcorner 5900000\ncellsize 10";
+
+struct Thrown {
+  ErrorKind kind = ErrorKind::internal;
+  std::string text;
+};
+template <class F>
+Thrown thrown_by(F&& f) {
+  try {
+    f();
+  } catch (const Error& error) {
+    return {error.kind(), error.what()};
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return {};
+}
+
+inline double at(const raster::Raster& r, int col, int row) {
+  return static_cast<double>(r.values.at(col, row));
+}
+inline std::string test_name(std::string file) {
+  for (char& c : file)
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  return file;
+}
+inline std::string joined(const std::vector<std::string>& notes) {
+  std::string out;
+  for (const auto& note : notes) out += note + "\n";
+  return out;
+}
+
+/// The 256 x 256 pixels that the awkward files were cut from.
+inline const raster::Raster& truth() {
+  static const raster::Raster raster = [] {
+    DemOptions options;
+    options.window = {700, 400, 256, 256};
+    return read_dem(data / "peakdistrict_karst_10m.tif", options).raster;
+  }();
+  return raster;
+}
+
+}  // namespace tafoni::io
