@@ -47,8 +47,10 @@ void collapse(std::span<const Vec3f> positions, Patch& patch, double error) {
                                    meshopt_SimplifyLockBorder, nullptr)
                 : 0;
   patch.result.clear();
-  for (std::size_t i = 0; i < left; i += 3)
-    patch.result.push_back({used[out[i]], used[out[i + 1]], used[out[i + 2]]});
+  for (std::size_t i = 0; i < left; i += 3) patch.result.push_back({out[i], out[i + 1], out[i + 2]});
+  flip_flat_triangles(local, patch.result);
+  for (Triangle& t : patch.result)
+    for (auto& v : t) v = used[v];
 }
 
 std::vector<bool> broken_vertices(std::span<const Vec3f> positions, std::span<const Triangle> triangles) {

@@ -25,6 +25,10 @@ std::vector<Patch> cut(std::span<const Vec3f> positions, std::span<const Triangl
 /// Fills patch.result with what quadric edge collapse within `error` metres leaves of patch.given.
 void collapse(std::span<const Vec3f> positions, Patch& patch, double error);
 
+/// Mends triangles without area, as edge collapse makes them where the surface is exactly flat: the longest
+/// edge is flipped with the neighbour's, which leaves the shape as it is. Those that cannot be mended stay.
+void flip_flat_triangles(std::span<const Vec3f> positions, std::vector<Triangle>& triangles);
+
 /// Vertices at which triangles do not form a clean fan: an edge of more than two triangles or of two that run
 /// the same way, several fans, a triangle without area or given twice.
 std::vector<bool> broken_vertices(std::span<const Vec3f> positions, std::span<const Triangle> triangles);

@@ -10,16 +10,16 @@ namespace tafoni::mesh::test {
 
 using Function = std::function<double(Vec3d)>;
 
-/// Samples f on every lattice point of every chunk; a brick is active when its samples differ in sign, or
-/// always when `all_active`. Samples that no active brick needs are spoilt, so that using one shows.
+/// Samples f on every lattice point of every chunk of the region; a brick is active when its samples differ
+/// in sign. Samples that no active brick needs are spoilt, so that using one shows.
 class AnalyticSource : public SampleSource {
  public:
-  AnalyticSource(Function f, double voxel, bool all_active)
-      : f_(std::move(f)), voxel_(voxel), all_(all_active) {}
+  AnalyticSource(Function f, double voxel, const Box3d& region)
+      : f_(std::move(f)), voxel_(voxel), first_(chunk_of(region.lo.z)), last_(chunk_of(region.hi.z)) {}
 
   Range column(int a, int b) override {
     a_ = a, b_ = b;
-    return {-3, 2};
+    return {first_, last_};
   }
   bool evaluate(int c, field::ChunkSamples& out) override {
     using S = field::ChunkSamples;
@@ -44,7 +44,7 @@ class AnalyticSource : public SampleSource {
                 for (int i = 8 * bx; i <= 8 * bx + 8; ++i) visit(at(i, j, k));
           };
           each([&](std::size_t s) { solid += out.f[s] > 0; });
-          if (!all_ && (solid == 0 || solid == 729)) continue;
+          if (solid == 0 || solid == 729) continue;
           out.active[bz] |= std::uint64_t{1} << (by * 8 + bx);
           each([&](std::size_t s) { needed[s] = true; });
         }
@@ -65,18 +65,20 @@ class AnalyticSource : public SampleSource {
   }
 
  private:
+  int chunk_of(double z) const { return static_cast<int>(std::floor(z / voxel_ / field::chunk_cells)); }
+
   Function f_;
   double voxel_;
-  bool all_;
+  int first_, last_;
   int a_ = 0, b_ = 0;
 };
 
-inline SourceFactory analytic(Function f, double voxel, bool all_active = false) {
-  return [=] { return std::make_unique<AnalyticSource>(f, voxel, all_active); };
+inline SourceFactory analytic(Function f, double voxel, const Box3d& region) {
+  return [=] { return std::make_unique<AnalyticSource>(f, voxel, region); };
 }
 
 inline Mesh mesh_of(const Function& f, const PolygonizeSettings& settings, PolygonizeStats* stats = nullptr) {
-  return polygonize(analytic(f, settings.voxel), settings.region, settings, silent(), stats);
+  return polygonize(analytic(f, settings.voxel, settings.region), settings.region, settings, silent(), stats);
 }
 
 inline Function sphere(Vec3d center, double radius) {

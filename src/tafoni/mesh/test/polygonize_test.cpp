@@ -113,9 +113,9 @@ TEST(Polygonize, ThreadsAndTilesGiveTheSameBytes) {
     const Vec3d q = p * 0.13;
     return std::min(
         std::sin(q.x) * std::cos(q.y) + std::sin(q.y) * std::cos(q.z) + std::sin(q.z) * std::cos(q.x),
-        70.0 - length(p));
+        52.0 - length(p));
   };
-  PolygonizeSettings settings = solid(1.0, cube(75));
+  PolygonizeSettings settings = solid(1.0, cube(55));
   settings.min_fragment_volume = 30;
   set_thread_count(1);
   const Mesh one = mesh_of(gyroid, settings);
@@ -161,7 +161,7 @@ TEST(Polygonize, TilesHoldTheSameTrianglesAndMeetExactly) {
     int tiles = 0;
     PolygonizeStats stats;
     polygonize_tiles(
-        test::analytic(f, 2.0), settings.region, settings,
+        test::analytic(f, 2.0, settings.region), settings.region, settings,
         [&](TileIndex, Mesh&& mesh) {
           ++tiles;
           EXPECT_THAT(defects(validate(mesh)), testing::IsEmpty());
@@ -265,7 +265,9 @@ TEST(Polygonize, CanBeCancelled) {
   Progress progress;
   progress.cancel();
   const PolygonizeSettings settings = solid(1, cube(80));
-  EXPECT_THROW(polygonize(test::analytic(sphere({}, 50), 1), settings.region, settings, progress), Error);
+  EXPECT_THROW(
+      polygonize(test::analytic(sphere({}, 50), 1, settings.region), settings.region, settings, progress),
+      Error);
 }
 
 }  // namespace

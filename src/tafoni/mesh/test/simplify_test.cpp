@@ -73,6 +73,19 @@ TEST(Simplify, ReducesASphereWithinTheError) {
   }
 }
 
+TEST(Simplify, FlatFacesLoseNoArea) {
+  // A block with walls exactly on lattice planes: its collinear vertices tempt collapses into empty
+  // triangles.
+  const Mesh mesh = surface(90, 80, 40, [](Vec3d p) {
+    return std::min({p.x - 10.25, 75.25 - p.x, p.y - 10.5, 70.5 - p.y, p.z - 5.5, 30.5 - p.z});
+  });
+  const Mesh small = simplify(mesh, {.error = 0.1, .normals = {}});
+  EXPECT_THAT(defects(validate(small)), IsEmpty());
+  EXPECT_LT(small.triangles.size(), mesh.triangles.size() / 20);
+  EXPECT_NEAR(metrics(small).volume, metrics(mesh).volume, 0.002 * metrics(mesh).volume);
+  EXPECT_NEAR(metrics(small).area, metrics(mesh).area, 0.005 * metrics(mesh).area);
+}
+
 TEST(Simplify, KeepsManifoldnessAndOpenBorders) {
   const Mesh mesh = landscape(140);
   ASSERT_THAT(defects(validate(mesh)), IsEmpty());
