@@ -41,12 +41,12 @@ class Scene {
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
-  /// A three-quarter view from outside that holds the whole mesh above the sea level, if one is given; where azimuth and elevation are not given,
-  /// they are those that show most of cliffs and undercuts.
+  /// A three-quarter view from outside that holds the whole mesh, above the sea level if one is given; where
+  /// azimuth and elevation are not given, they are those that show most of cliffs and undercuts.
   Camera frame(const RenderSettings& settings) const;
 
   /// A view inside a cave: from `eye`, or from a place found in the roomiest roofed part; the target lies
-  /// along the longest free line of sight. Throws Error{input} when nothing is roofed.
+  /// along the longest view. Throws Error{input} when nothing is roofed.
   Camera frame_inside(const RenderSettings& settings, std::optional<Vec3d> eye = {}) const;
 
   /// The picture; the same bytes at any thread count. Colours come from the mesh, or from mesh/palette.h by

@@ -55,40 +55,71 @@ double interest(const World& world, const Camera& camera, double aspect, std::op
   return sum;
 }
 
-/// The lowest share of the sorted depths below which a view is shut in.
 struct Openness {
   double roofed = 0;  ///< share of the upper directions that are blocked
-  double room = 0;    ///< a low quantile of the free distances, metres
-  Vec3f longest;      ///< direction of the longest free line near the horizon
+  float near = 0;     ///< free distance below which few directions lie, metres
+  float room = 0;     ///< the lower quartile of the free distances, metres
 };
 
-Openness look_around(const World& world, Vec3f eye, int count) {
+Openness look_around(const World& world, Vec3f eye) {
+  constexpr int count = 96;
   Openness open;
-  std::vector<float> distances;
+  std::array<float, count> distances{};
   int upper = 0, blocked = 0;
-  float best = -1;
-  const float far = length(world.box().size());
   for (int i = 0; i < count; ++i) {
     // A spherical Fibonacci lattice.
     const double z = 1 - (2 * i + 1.0) / count, phi = i * 2.399963229728653, r = std::sqrt(1 - z * z);
-    const Vec3f d = to_float({r * std::cos(phi), r * std::sin(phi), z});
-    const Hit hit = world.tracer().closest(eye, d);
-    distances.push_back(hit ? hit.t : far);
+    const Hit hit = world.tracer().closest(eye, to_float({r * std::cos(phi), r * std::sin(phi), z}));
+    distances[static_cast<std::size_t>(i)] = std::min(hit.t, length(world.box().size()));
     if (z > 0.2) {
       ++upper;
       blocked += hit ? 1 : 0;
     }
-    // Daylight at the end of a line is worth seeing, but only as far as walls would be.
-    const float free = hit ? hit.t : 0.0f;
-    if (std::abs(z) < 0.35 && free * (1 - std::abs(d.z)) > best) {
-      best = free * (1 - std::abs(d.z));
-      open.longest = d;
-    }
   }
-  std::nth_element(distances.begin(), distances.begin() + count / 4, distances.end());
-  open.room = distances[static_cast<std::size_t>(count / 4)];
-  open.roofed = upper ? static_cast<double>(blocked) / upper : 0;
+  std::sort(distances.begin(), distances.end());
+  open.near = distances[count / 16];
+  open.room = distances[count / 4];
+  open.roofed = static_cast<double>(blocked) / upper;
   return open;
+}
+
+constexpr double inside_fov = 1.2;
+
+/// The level direction with the longest view ahead and no wall close before the eye.
+Vec3f best_direction(const World& world, Vec3f eye, float room) {
+  constexpr int headings = 32;
+  std::array<double, headings> scores{};
+  const auto direction = [&](int heading) {
+    const double a = heading * 2 * pi / headings;
+    return to_float(normalized(Vec3d{std::sin(a), std::cos(a), -0.12}));
+  };
+  parallel_for(headings, [&](std::int64_t i) {
+    View view;
+    view.eye = eye;
+    view.forward = direction(static_cast<int>(i));
+    const Vec3f right = normalized(cross(view.forward, Vec3f{0, 0, 1}));
+    const auto half = static_cast<float>(std::tan(inside_fov / 2));
+    view.right = right * (half * 16 / 9);
+    view.up = cross(right, view.forward) * half;
+    view.width = 32;
+    view.height = 18;
+    std::vector<float> depths;
+    float ahead = 0;
+    for (int y = 0; y < view.height; ++y)
+      for (int x = 0; x < view.width; ++x) {
+        const Hit hit = world.tracer().closest(
+            eye, view.direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f));
+        // Daylight at the end is worth no more than a wall at that distance.
+        depths.push_back(hit ? std::min(hit.t, 12 * room) : room);
+        if (x >= 14 && x < 18 && y >= 7 && y < 11) ahead += depths.back();
+      }
+    std::sort(depths.begin(), depths.end());
+    const auto at = [&](double share) {
+      return depths[static_cast<std::size_t>(share * static_cast<double>(depths.size()))];
+    };
+    scores[static_cast<std::size_t>(i)] = at(0.1) + 0.5 * at(0.5) + 2.0 * ahead / 16;
+  });
+  return direction(static_cast<int>(std::max_element(scores.begin(), scores.end()) - scores.begin()));
 }
 
 /// A place at eye height above a floor under the widest roof.
@@ -108,10 +139,10 @@ std::optional<Vec3f> find_cave(const World& world, std::optional<float> sea) {
     // A roof seen from behind is the mesh's own underside: the floor is outside of what is solid.
     if (!roof || roof.face.z > 0) return;
     const Vec3f eye = from + Vec3f{0, 0, 1} * std::min(0.45f * roof.t, 4 * world.spacing() + 1.7f);
-    const Openness open = look_around(world, eye, 64);
-    if (open.roofed < 0.85) return;
+    const Openness open = look_around(world, eye);
+    if (open.roofed < 0.9) return;
     eyes[static_cast<std::size_t>(i)] = eye;
-    scores[static_cast<std::size_t>(i)] = open.room;
+    scores[static_cast<std::size_t>(i)] = open.room * std::min(1.0f, 3 * open.near / open.room);
   });
   const auto best = std::max_element(scores.begin(), scores.end());
   if (*best <= 0) return std::nullopt;
@@ -169,7 +200,8 @@ Camera best_outside(const World& world, const RenderSettings& settings, std::opt
     for (const double azimuth : azimuths) {
       const Camera camera = fit(world, azimuth, elevation, fov, aspect, sea);
       if (azimuths.size() * elevations.size() == 1) return camera;
-      const double score = interest(world, camera, aspect, sea);
+      // From high up more ground is seen, but undercuts less; it must be worth it.
+      const double score = interest(world, camera, aspect, sea) * (elevation > 0.4 ? 0.85 : 1.0);
       if (score <= best_score) continue;
       best_score = score;
       best = camera;
@@ -182,11 +214,11 @@ Camera best_inside(const World& world, std::optional<Vec3f> eye, std::optional<f
   if (!eye)
     fail(ErrorKind::input,
          "Nothing in this mesh is roofed, so there is no inside to look at; give the camera's position.");
-  const Openness open = look_around(world, *eye, 2048);
+  const float room = look_around(world, *eye).room;
   Camera camera;
   camera.eye = to_double(*eye);
-  camera.target = camera.eye + to_double(open.longest) * std::max(open.room, 1.0);
-  camera.fov = 1.15;
+  camera.target = camera.eye + to_double(best_direction(world, *eye, room)) * std::max<double>(room, 1e-3);
+  camera.fov = inside_fov;
   return camera;
 }
 

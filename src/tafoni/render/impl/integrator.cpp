@@ -51,7 +51,7 @@ Vec3f Integrator::sun_on(const Surface& s, Point2 random) const {
   const Vec3f d = cone_direction(light_.to_sun, light_.sun_radius, random);
   const float facing = dot(s.normal, d);
   if (facing <= 0 || d.z <= 0) return {};
-  if (world_.tracer().blocked(s.position + s.face * world_.offset(), d)) return {};
+  if (world_.tracer().blocked(s.start, d)) return {};
   return under_sea(Light::sun * facing, s.position);
 }
 
@@ -63,8 +63,7 @@ Vec3f Integrator::lamp_on(const Surface& s, Point2 random) const {
   const Vec3f d = to * (1 / std::max(distance, 1e-6f));
   const float facing = dot(s.normal, d);
   if (facing <= 0) return {};
-  const Vec3f from = s.position + s.face * world_.offset();
-  if (world_.tracer().blocked(from, d, distance * 0.999f)) return {};
+  if (world_.tracer().blocked(s.start, d, distance * 0.999f)) return {};
   // Gentler than the inverse square, or near walls would burn out before far ones are seen.
   const float near = distance / lamp.reach;
   return Vec3f{2.15f, 1.9f, 1.6f} * (facing / (0.3f + std::pow(near, 1.6f)));
@@ -72,20 +71,19 @@ Vec3f Integrator::lamp_on(const Surface& s, Point2 random) const {
 
 Vec3f Integrator::bounced(const Hit& hit, Vec3f from, Vec3f direction, const Sampler& sampler) const {
   const Surface s = world_.surface(hit, from, direction, colors_);
-  const Vec3f start = s.position + s.face * world_.offset();
+  // In a cave the lamp is what walls pass on; daylight that comes round two corners is left out.
+  if (light_.lamp) return times(s.albedo, lamp_on(s, sampler.get(Stream::bounce_lamp)));
   Vec3f light = sun_on(s, sampler.get(Stream::bounce_sun));
   const Vec3f up = cosine_direction(s.normal, sampler.get(Stream::bounce_sky));
-  if (!world_.tracer().blocked(start, up)) light += under_sea(beyond(up), s.position);
-  if (light_.lamp) light += lamp_on(s, sampler.get(Stream::bounce_lamp));
+  if (!world_.tracer().blocked(s.start, up)) light += under_sea(beyond(up), s.position);
   return times(s.albedo, light);
 }
 
 Vec3f Integrator::sky_on(const Surface& s, const Sampler& sampler) const {
   const Vec3f d = cosine_direction(s.normal, sampler.get(Stream::sky));
-  const Vec3f from = s.position + s.face * world_.offset();
-  const Hit hit = world_.tracer().closest(from, d);
+  const Hit hit = world_.tracer().closest(s.start, d);
   if (!hit) return under_sea(beyond(d), s.position);
-  Vec3f light = bounced(hit, from, d, sampler);
+  Vec3f light = bounced(hit, s.start, d, sampler);
   // A faint fill that open space has more of than crevices, so that no wall of a cave is black.
   if (light_.lamp) light += Vec3f{0.10f, 0.105f, 0.12f} * (hit.t / (hit.t + 0.4f * light_.lamp->reach));
   return light;
@@ -122,7 +120,7 @@ Sample Integrator::floor_beyond(Vec3f from, Vec3f direction, const Sampler& samp
   Sample sample;
   sample.t = drop / std::max(-direction.z, 0.05f);
   Surface s;
-  s.position = from + direction * sample.t;
+  s.position = s.start = from + direction * sample.t;
   sample.t *= deepening(s.position);
   s.normal = s.face = {0, 0, 1};
   s.albedo = light_.floor_albedo;

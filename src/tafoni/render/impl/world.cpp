@@ -112,11 +112,25 @@ Surface World::surface(const Hit& hit, Vec3f from, Vec3f direction, const Colors
   s.position = from + direction * hit.t;
   s.face = hit.face;
   s.normal = normalized(s.normal);
-  if (!(dot(s.normal, s.normal) > 0.5f)) s.normal = s.face;
+  // In creases a normal can point past its own triangle, or nowhere; light would come through the wall.
+  const float along = dot(s.normal, s.face);
+  if (along < 0.35f) s.normal = normalized(s.normal + s.face * (1.4f * (0.35f - along)));
+  float lift = 0;
+  bool smooth_here = true;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3f n = normals[t[k]];
+    const float below = dot(s.position - mesh_.positions[t[k]], n), along_face = dot(n, s.face);
+    lift -= w[k] * std::min(0.0f, below) * along_face;
+    smooth_here &= along_face > 0.7f;
+  }
+  // Where normals turn sharply the lift could reach into the next wall.
+  lift = smooth_here ? std::min(lift, 0.08f * spacing_) : 0.0f;
   if (dot(s.face, direction) > 0) {
     s.face = -s.face;
     s.normal = -s.normal;
+    lift = 0;
   }
+  s.start = s.position + s.face * (lift + offset_);
   // A smooth normal that turns from the viewer is bent back, or its side of a ridge would be black.
   const float away = dot(s.normal, direction);
   if (away > -0.02f) s.normal = normalized(s.normal - direction * (away + 0.02f));

@@ -14,6 +14,8 @@ namespace tafoni::render::impl {
 struct Surface {
   Vec3f position, normal, face;
   Vec3f albedo;  ///< linear RGB reflectance
+  Vec3f start;  ///< where rays towards the light begin: lifted onto the smooth surface, so that facets do not
+                ///< shadow themselves (J. Hanika, Hacking the shadow terminator, 2021)
 };
 
 using Colors = std::vector<std::array<std::uint8_t, 4>>;
