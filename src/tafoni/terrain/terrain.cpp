@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "tafoni/core/error.h"
-#include "tafoni/raster/distance.h"
 #include "tafoni/raster/fill.h"
+#include "tafoni/terrain/impl/domain.h"
 
 namespace tafoni::terrain {
 namespace {
@@ -30,31 +30,6 @@ Range range_of(const Grid<float>& values) {
 
 double multiple_near(double v, double voxel) {
   return std::round(v / voxel) * voxel;
-}
-
-/// The signed distance to the border of data and polygons, or an empty grid when all is inside.
-Grid<float> domain_distance(const Raster& world, const TerrainOptions& options, Progress& progress) {
-  const raster::Placement& p = world.placement;
-  Grid<std::uint8_t> data(world.width(), world.height());
-  bool whole = true;
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    data.values()[i] = !std::isnan(world.values.values()[i]);
-    whole = whole && data.values()[i];
-  }
-  Grid<float> out;
-  if (!whole) out = raster::signed_distance(data, p.dx, p.dy, progress);
-  // The field is constant beyond R; a little more keeps interpolation exact up to there.
-  const double band = options.settings.influence + 2 * std::hypot(p.dx, p.dy);
-  if (!options.polygons.empty()) {
-    Grid<float> polygon =
-        raster::signed_distance(options.polygons, p, world.width(), world.height(), band, progress);
-    for (std::size_t i = 0; i < out.size(); ++i)
-      polygon.values()[i] = std::min(polygon.values()[i], out.values()[i]);
-    out = std::move(polygon);
-  }
-  const auto limit = static_cast<float>(band);
-  for (float& d : out.values()) d = std::clamp(d, -limit, limit);
-  return out;
 }
 
 /// The rectangle of the domain in x and y: pixels with an inside, and one more where the border runs between
@@ -93,7 +68,9 @@ Terrain make_terrain(const Raster& world, double voxel, const TerrainOptions& op
          settings.influence, settings.amplitude);
   const Range range = range_of(world.values);
   if (!(range.lo <= range.hi)) fail(ErrorKind::input, "the elevation model holds no data at all.");
-  Grid<float> inside = domain_distance(world, options, progress);
+  // The field is constant beyond R; a little more keeps interpolation exact up to there.
+  const double band = settings.influence + 2 * std::hypot(world.placement.dx, world.placement.dy);
+  Grid<float> inside = impl::domain_distance(world, options.polygons, band, progress);
   if (!inside.empty() &&
       std::none_of(inside.values().begin(), inside.values().end(), [](float d) { return d > 0; }))
     fail(ErrorKind::input,

@@ -19,7 +19,8 @@ struct Terrain {
   Vec3d origin;
   std::shared_ptr<const raster::Raster> heights;  ///< local metres, finite everywhere
   /// Signed distance in metres to the border of the domain, positive inside; null when the domain is the
-  /// whole rectangle.
+  /// whole rectangle. The border of missing data is smoothed over about two pixels, and islets of data less
+  /// than about eight pixels wide are left out.
   std::shared_ptr<const raster::Raster> inside;
   /// 1 where the domain's heights are data or mended small holes, 0 outside; null when 1 everywhere.
   std::shared_ptr<const raster::Grid<std::uint8_t>> valid;

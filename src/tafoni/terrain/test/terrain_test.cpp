@@ -81,6 +81,44 @@ TEST(MakeTerrain, MissingDataBecomesADistanceAndTheHeightsAreFinite) {
   EXPECT_DOUBLE_EQ(t.to_world(t.box.lo).x, 500'000 + 39 * 2);
 }
 
+TEST(MakeTerrain, ARaggedBorderBecomesASmoothOne) {
+  // A coast at column 60 with teeth one and two pixels wide and up to 14 long, and crumbs before it.
+  raster::Raster world = hills(120, 100, far_away);
+  for (int r = 0; r < 100; ++r)
+    for (int c = 0; c < 62; ++c) {
+      const bool tooth = r % 5 == 0 && c > 62 - 3 * (r % 7);
+      const bool crumb = c % 17 == 3 && r % 13 == 4;
+      if (!tooth && !crumb) world.values.at(c, r) = raster::no_data;
+    }
+  const Terrain t = make_terrain(world, 0.5);
+  int crossings = 0;
+  for (int r = 0; r < 100; ++r)
+    for (int c = 1; c < 120; ++c) crossings += t.valid->at(c - 1, r) != t.valid->at(c, r);
+  EXPECT_EQ(crossings, 100);  // each row enters the land once
+  double longest = 0;
+  for (int r = 1; r < 100; ++r) {
+    const auto coast = [&](int row) {
+      int c = 0;
+      while (!t.valid->at(c, row)) ++c;
+      const double before = sample(*t.inside, c - 1, row), after = sample(*t.inside, c, row);
+      return c - after / (after - before);
+    };
+    longest = std::max(longest, std::abs(coast(r) - coast(r - 1)));
+    EXPECT_NEAR(coast(r), 61.5, 2);
+  }
+  EXPECT_LT(longest, 1);
+}
+
+TEST(MakeTerrain, AnIsletAloneIsKept) {
+  raster::Raster world = hills(40, 40, far_away);
+  for (int r = 0; r < 40; ++r)
+    for (int c = 0; c < 40; ++c)
+      if (std::hypot(c - 20, r - 20) > 3.5) world.values.at(c, r) = raster::no_data;
+  const Terrain t = make_terrain(world, 0.5);
+  EXPECT_EQ(t.valid->at(20, 20), 1);
+  EXPECT_EQ(t.valid->at(27, 20), 0);
+}
+
 TEST(MakeTerrain, PolygonsWithHolesCutTheDomain) {
   const raster::Raster world = hills(120, 100, far_away);
   TerrainOptions options;
