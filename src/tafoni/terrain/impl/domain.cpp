@@ -92,11 +92,11 @@ Grid<float> data_distance(const raster::Raster& world, Progress& progress) {
   constexpr double pixels = 4;
   const Grid<std::uint8_t> land = without_islets(smooth, static_cast<float>(pixels * std::max(dx, dy)));
   if (whole(land)) return {};
-  const bool vanished =
-      std::none_of(land.values().begin(), land.values().end(), [](std::uint8_t v) { return v != 0; });
-  if (vanished) return raster::signed_distance(mask, dx, dy, progress);
   Grid<float> distance = raster::signed_distance(land, dx, dy, progress);
   blur(distance, 1);
+  const bool vanished =
+      std::none_of(distance.values().begin(), distance.values().end(), [](float d) { return d > 0; });
+  if (vanished) return raster::signed_distance(mask, dx, dy, progress);
   return distance;
 }
 
