@@ -196,9 +196,22 @@ class Karst {
     };
     std::vector<std::pair<double, Vec3d>> places;
     for (const SurfacePoint& at : sample_surface(field_, sampling, progress_))
-      places.emplace_back(ground_.resistance(at.position - to_double(at.normal) * (2 * radius_)),
-                          at.position);
+      if (thick(at))
+        places.emplace_back(ground_.resistance(at.position - to_double(at.normal) * (2 * radius_)),
+                            at.position);
     return softest(std::move(places));
+  }
+
+  /// Rock enough behind a face for a cave, not a fin or a pillar.
+  bool thick(const SurfacePoint& at) const {
+    const Vec3d inward = normalized(Vec3d{-to_double(at.normal).x, -to_double(at.normal).y, -0.1});
+    const Vec3d aside = Vec3d{-inward.y, inward.x, 0} * (3 * radius_);
+    for (double t : {0.25, 0.6, 1.0, 1.5, 2.0}) {
+      const Vec3d p = at.position + inward * (t * spacing_);
+      if (field_.value(p) <= 0) return false;
+      if (t >= 1 && (field_.value(p + aside) <= 0 || field_.value(p - aside) <= 0)) return false;
+    }
+    return true;
   }
 
   static std::vector<Vec3d> softest(std::vector<std::pair<double, Vec3d>> places) {

@@ -9,6 +9,8 @@
 #include "tafoni/landforms/impl/sea_caves.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/surface.h"
+#include "tafoni/math/noise.h"
+#include "tafoni/raster/distance.h"
 #include "tafoni/terrain/analysis.h"
 
 namespace tafoni::landforms {
@@ -25,17 +27,19 @@ struct Params {
   double sea_level = 0;
   double range = 8;
   std::int64_t steps = 3;
-  double retreat = 3.5;
+  double retreat = 5;
+  double reach = 40;
+  double weathering = 1.6;
   double radius = 5;
   double spacing = 2.2;
-  double beta = 0.12;
+  double beta = 0.15;
   double threshold = 0.06;
   double accessibility = 0.5;
   double accessibility_radius = 20;
   double slope = 35;
   double joints = 0.7;
   double joint_spacing = 22;
-  double roughness = 0.3;
+  double roughness = 0.35;
   double cave_spacing = 45;
   double cave_length = 25;
   double cave_radius = 2.5;
@@ -49,6 +53,9 @@ const ParamTable<Params>& table() {
         .integer("steps", &Params::steps, "", 1, 12, "times that the sea acts on the shape it has left")
         .real("retreat", &Params::retreat, "m", 0.1, 100,
               "about how deep one step cuts into the softest rock under full stress")
+        .real("reach", &Params::reach, "m", 1, 100000, "how far from open water a face still feels the sea")
+        .real("weathering", &Params::weathering, "m", 0, 50,
+              "how deep the softest beds weather back on the rest of the faces, 0 for not at all")
         .real("radius", &Params::radius, "m", 0.2, 100, "reach of one carving primitive of the first step")
         .real("spacing", &Params::spacing, "m", 0.1, 50,
               "least distance between primitives of the first step")
@@ -62,8 +69,7 @@ const ParamTable<Params>& table() {
               "ground gentler than this is beach or platform and is kept")
         .real("joints", &Params::joints, "", 0, 1, "how much vertical joints weaken the rock")
         .real("joint_spacing", &Params::joint_spacing, "m", 1, 1000, "mean distance between joints")
-        .real("roughness", &Params::roughness, "", 0, 0.8,
-              "strength of the noise in a primitive's metric, as a share of its radius")
+        .real("roughness", &Params::roughness, "", 0, 1, "unevenness of what is carved")
         .real("cave_spacing", &Params::cave_spacing, "m", 0, 10000,
               "least distance between sea caves along the coast, 0 for none")
         .real("cave_length", &Params::cave_length, "m", 1, 500,
@@ -93,6 +99,8 @@ class SeaCliff {
     Result result;
     if (band().empty()) return report(std::move(result));
     open_ = exposure();
+    water_ = water_distance();
+    if (p_.weathering > 0) add(weather(), result);
     for (std::int64_t step = 0; step < p_.steps; ++step) add(notch(step), result);
     if (p_.cave_spacing > 0) add(caves(), result);
     return report(std::move(result));
@@ -135,12 +143,39 @@ class SeaCliff {
     return open;
   }
 
+  /// Metres to open water: ground below the sea level, or none at all where there is no data. Empty when
+  /// there is no water, and then the sea acts on all there is in its range.
+  raster::Raster water_distance() const {
+    const raster::Raster& heights = *ground_.site().heights;
+    raster::Grid<std::uint8_t> land(heights.width(), heights.height(), 1);
+    bool any = false;
+    for (int row = 0; row < heights.height(); ++row)
+      for (int col = 0; col < heights.width(); ++col)
+        if (heights.values.at(col, row) < sea_z_ ||
+            (ground_.site().valid && !ground_.site().valid->at(col, row))) {
+          land.at(col, row) = 0;
+          any = true;
+        }
+    raster::Raster distance;
+    distance.placement = heights.placement;
+    if (any)
+      distance.values =
+          raster::signed_distance(land, distance.placement.dx, distance.placement.dy, progress_);
+    return distance;
+  }
+
+  static float nearest(const raster::Raster& raster, Vec3d p) {
+    const Vec2d at = raster.placement.pixel(p.x, p.y);
+    return raster.values.at(std::clamp(static_cast<int>(std::lround(at.x)), 0, raster.width() - 1),
+                            std::clamp(static_cast<int>(std::lround(at.y)), 0, raster.height() - 1));
+  }
+
   double accessibility(Vec3d p) const {
-    if (open_.values.empty()) return 1;
-    const Vec2d at = open_.placement.pixel(p.x, p.y);
-    const int col = std::clamp(static_cast<int>(std::lround(at.x)), 0, open_.width() - 1);
-    const int row = std::clamp(static_cast<int>(std::lround(at.y)), 0, open_.height() - 1);
-    return 1 - p_.accessibility * (1 - open_.values.at(col, row));
+    return open_.values.empty() ? 1 : 1 - p_.accessibility * (1 - nearest(open_, p));
+  }
+
+  double nearness(Vec3d p) const {
+    return water_.values.empty() ? 1 : 1 - smoothstep(0.6 * p_.reach, p_.reach, nearest(water_, p));
   }
 
   /// 1 on faces, 0 on ground gentler than the limit; ceilings give way less than walls, so that notches
@@ -151,35 +186,78 @@ class SeaCliff {
     return smoothstep(0, 0.35, limit - nz) * (nz < 0 ? 1 + 0.65 * nz : 1);
   }
 
+  /// How much of the sea reaches a place, whatever its elevation; none on platforms.
+  double exposed(const SurfacePoint& at) const {
+    return steepness(at.normal) * nearness(at.position) * ground_.weight(at.position);
+  }
+
   /// sigma = w alpha (document 003, section 6.1), spared where the ground is a platform.
   double stress(const SurfacePoint& at) const {
     const double u = (at.position.z - sea_z_) / p_.range;
-    if (u * u >= 1) return 0;
-    return (1 - u * u) * accessibility(at.position) * steepness(at.normal) * ground_.weight(at.position);
+    return u * u >= 1 ? 0 : (1 - u * u) * accessibility(at.position) * exposed(at);
   }
 
-  double effect(const SurfacePoint& at) const {
-    const double rho = ground_.resistance(at.position) *
-                       (1 - p_.joints * joints_.weakness(at.position + ground_.site().origin));
-    return erosion_effect(rho, stress(at), p_.beta);
+  double resistance(Vec3d p) const {
+    return ground_.resistance(p) * (1 - p_.joints * joints_.weakness(p + ground_.site().origin));
   }
 
-  std::vector<Attack> attacked(const field::CompiledField& field, double spacing, std::uint64_t stream) {
+  /// Samples of the exposed faces in `box`, each with e(rho, stress).
+  template <class Stress>
+  std::vector<Attack> attacked(const field::CompiledField& field, const Box3d& box, double spacing,
+                               double beta, std::uint64_t stream, Stress stress_at) {
     SurfaceSampling sampling;
     sampling.spacing = spacing;
-    sampling.box = band();
+    sampling.box = box;
     sampling.seed = hash_combine(ground_.site().seed, stream);
     sampling.accept = [this](const SurfacePoint& at) {
-      return steepness(at.normal) > 0 && ground_.usable(at.position);
+      return ground_.usable(at.position) && exposed(at) > 0;
     };
     const auto points = sample_surface(field, sampling, progress_);
     std::vector<Attack> attacks(points.size());
     parallel_blocks(static_cast<std::int64_t>(points.size()), 256, [&](std::int64_t begin, std::int64_t end) {
       for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-        attacks[i] = {points[i], effect(points[i])};
+        attacks[i] = {points[i], erosion_effect(resistance(points[i].position), stress_at(points[i]), beta)};
     });
     std::erase_if(attacks, [this](const Attack& a) { return a.effect < p_.threshold; });
     return attacks;
+  }
+
+  std::vector<Attack> attacked_by_sea(const field::CompiledField& field, double spacing,
+                                      std::uint64_t stream) {
+    return attacked(field, band(), spacing, p_.beta, stream,
+                    [this](const SurfacePoint& at) { return stress(at); });
+  }
+
+  /// Energy of a primitive so that all together take `depth` off a face of effect 1. Dart throwing leaves
+  /// about 0.7 samples a spacing squared, and a primitive on a plane integrates to E pi R^2 / 4 over it.
+  static double share(double depth, double radius, double spacing) {
+    return depth / std::max(1.0, 0.7 * 0.785 * (radius / spacing) * (radius / spacing));
+  }
+
+  /// Uneven rock: noise once a primitive costs nothing beside noise in every primitive's metric.
+  double uneven(Vec3d p, double size, std::uint64_t stream) const {
+    const double t =
+        fbm((p + ground_.site().origin) * (1 / size), 3, hash_combine(ground_.site().seed, stream));
+    return std::max(0.0, 1 + 3 * p_.roughness * (2 * t - 1));
+  }
+
+  /// Frost and rain on the faces above the waves: soft beds recede, hard ones stand out.
+  field::NodePtr weather() {
+    const field::CompiledField field = field::compile(tree_);
+    const double radius = 0.6 * p_.radius, spacing = std::min(0.6 * p_.spacing, 0.5 * radius);
+    Box3d box = ground_.box();
+    box.lo.z = std::max(box.lo.z, sea_z_ - 0.5 * p_.range);
+    const auto attacks =
+        attacked(field, box, spacing, 0, 0x3e, [this](const SurfacePoint& at) { return exposed(at); });
+    field::CloudBuilder cloud{field::CloudSettings{}};
+    const double energy = share(p_.weathering, radius, spacing);
+    Random random(ground_.site().seed, 0x3f);
+    for (const Attack& a : attacks) {
+      const double r = radius * random.uniform(0.6, 1.4);
+      add_point(cloud, a.at.position, r, -energy * a.effect * uneven(a.at.position, 2 * radius, 0x3d));
+    }
+    primitives_ += static_cast<std::int64_t>(cloud.size());
+    return cloud.size() ? cloud.finish() : nullptr;
   }
 
   /// Lifts a primitive that would dig into the platform before the cliff.
@@ -209,32 +287,26 @@ class SeaCliff {
     const field::CompiledField field = field::compile(tree_);
     const double scale = scale_of_step(step);
     const double radius = p_.radius * scale, spacing = std::min(p_.spacing * scale, 0.75 * radius);
-    const auto attacks = attacked(field, spacing, static_cast<std::uint64_t>(step));
-    if (attacks.empty()) return nullptr;
+    const auto attacks = attacked_by_sea(field, spacing, static_cast<std::uint64_t>(step));
     const auto lift = lifts(field, attacks, radius);
-    field::CloudSettings settings;
-    settings.noise = {p_.roughness * radius * 0.8, 0.9 * radius, 3,
-                      hash_combine(ground_.site().seed, 0x6e + static_cast<std::uint64_t>(step))};
-    field::CloudBuilder cloud(settings);
-    // Dart throwing leaves about 0.7 samples a spacing squared, and a primitive on a plane integrates to
-    // E pi R^2 / 4 over it: so many times E is what the sum takes from the field at the surface.
-    const double overlap = 0.7 * 0.785 * (radius / spacing) * (radius / spacing);
+    const double energy = share(p_.retreat, radius, spacing);
+    field::CloudBuilder cloud{field::CloudSettings{}};
     Random random(ground_.site().seed, 0x100 + static_cast<std::uint64_t>(step));
     for (std::size_t i = 0; i < attacks.size(); ++i) {
       const Attack& a = attacks[i];
-      const double r = radius * random.uniform(0.8, 1.2);
+      const double r = radius * random.uniform(0.7, 1.3);
       const Vec3d center = a.at.position + Vec3d{0, 0, lift[i]};
       if (!ground_.usable(center)) continue;
-      add_point(cloud, center, r, -p_.retreat * a.effect / std::max(1.0, overlap));
-      primitives_ += 1;
+      add_point(cloud, center, r, -energy * a.effect * uneven(a.at.position, radius, 0x6e));
       strongest_ = std::max(strongest_, a.effect);
     }
+    primitives_ += static_cast<std::int64_t>(cloud.size());
     return cloud.size() ? cloud.finish() : nullptr;
   }
 
   field::NodePtr caves() {
     const field::CompiledField field = field::compile(tree_);
-    auto attacks = attacked(field, p_.spacing, 0x77);
+    auto attacks = attacked_by_sea(field, p_.spacing, 0x77);
     std::erase_if(attacks, [this](const Attack& a) {
       return std::abs(a.at.position.z - sea_z_) > 0.6 * p_.range || std::abs(a.at.normal.z) > 0.75f;
     });
@@ -286,7 +358,7 @@ class SeaCliff {
   double sea_z_;
   field::NodePtr tree_;
   Progress& progress_;
-  raster::Raster open_;
+  raster::Raster open_, water_;
   SeaCaves made_;
   std::int64_t primitives_ = 0;
   double strongest_ = 0;

@@ -133,7 +133,8 @@ class Percolator {
       const double t = static_cast<double>(i) / probes;
       if (from.parent < 0 && i < probes) continue;
       const Vec3d p = from.position + (to - from.position) * t;
-      if (field_.value(p) <= 0 || field_.value(p + Vec3d{0, 0, s_.cover}) <= 0) return false;
+      for (const Vec3d d : {Vec3d{0, 0, 0}, {0, 0, 1}, {0.8, 0, 0}, {-0.8, 0, 0}, {0, 0.8, 0}, {0, -0.8, 0}})
+        if (field_.value(p + d * s_.cover) <= 0) return false;
     }
     return true;
   }
