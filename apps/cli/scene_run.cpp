@@ -189,15 +189,21 @@ std::string shown(const Json& value) {
   return value.dump();
 }
 
-/// What a person wants to know of a report.
+/// What a person wants to know of a report; lists of positions are for programs.
 std::string summary(const Json& report) {
   std::string out;
   for (const Json& layer : report["layers"]) {
     out += fmt::format("layer {}: {} primitives", layer["name"].get<std::string>(),
                        with_commas(layer["primitives"].get<std::uint64_t>()));
-    for (const auto& [key, value] : layer.items())
-      if (key != "name" && key != "type" && key != "seconds" && key != "primitives")
-        out += fmt::format(", {} {}", key, shown(value));
+    for (const auto& [key, value] : layer.items()) {
+      if (key == "name" || key == "type" || key == "seconds" || key == "primitives" || value.is_array())
+        continue;
+      std::string words = key;
+      const bool metres = words.ends_with("_m");
+      if (metres) words.resize(words.size() - 2);
+      std::replace(words.begin(), words.end(), '_', ' ');
+      out += fmt::format(", {} {}{}", words, shown(value), metres ? " m" : "");
+    }
     out += "\n";
   }
   if (!report.contains("mesh")) return out;

@@ -27,6 +27,7 @@ std::vector<Vec3d> read_points(const std::string& path) {
 void append_row(fmt::memory_buffer& out, bool json, Vec3d p, float f, Vec3f g) {
   // Positions in full, so that those of UTM size stay exact; the field with the digits a float has.
   const auto at = std::back_inserter(out);
+  g += Vec3f{};  // turns -0 into 0
   if (json)
     fmt::format_to(at, R"({{"x": {}, "y": {}, "z": {}, "f": {:.9g}, "gradient": [{:.9g}, {:.9g}, {:.9g}]}})",
                    p.x, p.y, p.z, f, g.x, g.y, g.z);

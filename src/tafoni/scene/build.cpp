@@ -183,10 +183,10 @@ void run_layers(BuiltScene& scene, Progress& progress) {
 
 }  // namespace
 
-double default_voxel(const raster::Raster& raster) {
+double default_voxel(const raster::Raster& raster, double influence) {
   const double pixel = std::min(raster.placement.dx, raster.placement.dy);
   const double extent = std::max(raster.placement.dx * raster.width(), raster.placement.dy * raster.height());
-  const double wanted = std::max(pixel / 2, extent / 1000);
+  const double wanted = std::max(std::min(pixel, influence / 10), extent / 1200);
   const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
   double best = decade;
   for (double digit : {2.0, 2.5, 5.0, 10.0})
@@ -217,7 +217,8 @@ BuiltScene build(const Document& document, Progress& progress) {
   const raster::Raster raster = read_terrain(document, progress);
   scene.seconds.emplace_back("read terrain", watch.seconds());
   scene.crs = raster.crs;
-  scene.voxel = document.scene.voxel > 0 ? document.scene.voxel : default_voxel(raster);
+  scene.voxel =
+      document.scene.voxel > 0 ? document.scene.voxel : default_voxel(raster, scene.settings.influence);
   if (document.scene.voxel <= 0 && !document.layers.empty() && scene.voxel > scene.settings.influence / 4)
     progress.warn(fmt::format(
         "the terrain is so large that the voxel was set to {:g} m, too coarse for landforms of a few metres; "

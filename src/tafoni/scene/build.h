@@ -51,9 +51,9 @@ struct BuiltScene {
 /// Throws Error as the modules below do; a layer's error names the layer.
 BuiltScene build(const Document& document, Progress& progress = silent());
 
-/// A round voxel size for a raster: half a pixel where the whole stays within about 1,000 cells a side,
-/// coarser where not.
-double default_voxel(const raster::Raster& raster);
+/// A round voxel size for a raster: a pixel, or a tenth of R where pixels are coarser than what landforms
+/// carve, but not so small that the whole is more than about 1,200 cells a side.
+double default_voxel(const raster::Raster& raster, double influence);
 
 /// The scene's sea level as a world elevation: what the first enabled layer that knows one says.
 std::optional<double> sea_level(const Document& document);

@@ -169,13 +169,14 @@ TEST(DefaultVoxel, IsRoundAndBetweenPixelAndExtent) {
     raster::Raster raster;
     raster.values = raster::Grid<float>(width, height);
     raster.placement.dx = raster.placement.dy = pixel;
-    return default_voxel(raster);
+    return default_voxel(raster, 15);
   };
-  EXPECT_EQ(voxel(100, 100, 1), 0.5);
+  EXPECT_EQ(voxel(100, 100, 1), 1);
   EXPECT_EQ(voxel(1136, 726, 1), 1);
+  EXPECT_EQ(voxel(80, 80, 10), 2);
   EXPECT_EQ(voxel(512, 512, 10), 5);
-  EXPECT_EQ(voxel(2350, 1800, 10), 25);
-  EXPECT_EQ(voxel(10, 10, 90), 50);
+  EXPECT_EQ(voxel(2350, 1800, 10), 20);
+  EXPECT_EQ(voxel(256, 256, 0.01), 0.01);
 }
 
 }  // namespace
