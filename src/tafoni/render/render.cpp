@@ -91,7 +91,7 @@ Light light_of(const impl::World& world, const View& view, const RenderSettings&
       light.lamp->position = view.eye;
   } else if (distance > 0) {
     light.haze_begin = 0.6f * distance;
-    light.haze_per_metre = static_cast<float>(0.16 * settings.haze) / distance;
+    light.haze_per_metre = static_cast<float>(0.11 * settings.haze) / distance;
   }
   return light;
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
@@ -85,8 +86,13 @@ Openness look_around(const World& world, Vec3f eye) {
 
 constexpr double inside_fov = 1.2;
 
+struct Outlook {
+  Vec3f direction;
+  double score = 0;
+};
+
 /// The level direction with the longest view ahead and no wall close before the eye.
-Vec3f best_direction(const World& world, Vec3f eye, float room) {
+Outlook best_direction(const World& world, Vec3f eye, float room) {
   constexpr int headings = 32;
   std::array<double, headings> scores{};
   const auto direction = [&](int heading) {
@@ -119,7 +125,8 @@ Vec3f best_direction(const World& world, Vec3f eye, float room) {
     };
     scores[static_cast<std::size_t>(i)] = at(0.1) + 0.5 * at(0.5) + 2.0 * ahead / 16;
   });
-  return direction(static_cast<int>(std::max_element(scores.begin(), scores.end()) - scores.begin()));
+  const auto best = std::max_element(scores.begin(), scores.end());
+  return {direction(static_cast<int>(best - scores.begin())), *best};
 }
 
 /// A place at eye height above a floor under the widest roof.
@@ -144,9 +151,24 @@ std::optional<Vec3f> find_cave(const World& world, std::optional<float> sea) {
     eyes[static_cast<std::size_t>(i)] = eye;
     scores[static_cast<std::size_t>(i)] = open.room * std::min(1.0f, 3 * open.near / open.room);
   });
-  const auto best = std::max_element(scores.begin(), scores.end());
-  if (*best <= 0) return std::nullopt;
-  return eyes[static_cast<std::size_t>(best - scores.begin())];
+  // Of the roomiest places the one with the best outlook.
+  std::vector<std::size_t> order(tries);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  constexpr std::ptrdiff_t finalists = 32;
+  std::partial_sort(order.begin(), order.begin() + finalists, order.end(), [&](std::size_t a, std::size_t b) {
+    return scores[a] != scores[b] ? scores[a] > scores[b] : a < b;
+  });
+  std::optional<Vec3f> best;
+  double best_score = 0;
+  for (std::ptrdiff_t i = 0; i < finalists; ++i) {
+    const std::size_t place = order[static_cast<std::size_t>(i)];
+    if (scores[place] <= 0) break;
+    const double score = best_direction(world, eyes[place], look_around(world, eyes[place]).room).score;
+    if (score <= best_score) continue;
+    best_score = score;
+    best = eyes[place];
+  }
+  return best;
 }
 
 }  // namespace
@@ -217,7 +239,8 @@ Camera best_inside(const World& world, std::optional<Vec3f> eye, std::optional<f
   const float room = look_around(world, *eye).room;
   Camera camera;
   camera.eye = to_double(*eye);
-  camera.target = camera.eye + to_double(best_direction(world, *eye, room)) * std::max<double>(room, 1e-3);
+  camera.target =
+      camera.eye + to_double(best_direction(world, *eye, room).direction) * std::max<double>(room, 1e-3);
   camera.fov = inside_fov;
   return camera;
 }

@@ -20,18 +20,25 @@ Vec3f wave_normal(Vec3f p, float wavelength) {
   return normalized(Vec3f{slope.x, slope.y, 1});
 }
 
-/// Grain finer than the vertices' colours can hold, where pixels are fine enough to show it; mean 1. It
-/// gives bare walls a scale and changes no shape.
-float grain(Vec3f p, float spacing, float pixel) {
-  float factor = 1;
+/// Roughness finer than the mesh can hold, where pixels are fine enough to show it: it tints and tilts by a
+/// little. It gives bare walls a scale and changes no outline.
+void roughen(Surface& s, float spacing, float pixel) {
+  const auto noise = [](Vec3f p, double scale) {
+    return simplex({p.x * scale, p.y * scale, p.z * scale * 1.8}, 7);
+  };
   float wavelength = 2.5f * spacing;
   for (int octave = 0; octave < 3; ++octave, wavelength *= 0.42f) {
     const float shown = smooth(2.0f, 5.0f, wavelength / pixel);
-    if (shown <= 0) break;
+    if (shown <= 0) return;
     const double scale = 1 / wavelength;
-    factor += 0.17f * shown * (simplex({p.x * scale, p.y * scale, p.z * scale * 1.8}, 7) - 0.5f);
+    const float here = noise(s.position, scale), step = 0.1f * wavelength;
+    s.albedo = s.albedo * (1 + 0.15f * shown * (here - 0.5f));
+    const float tilt = 0.055f * shown / 0.1f;
+    const Vec3f slope{noise(s.position + Vec3f{step, 0, 0}, scale) - here,
+                      noise(s.position + Vec3f{0, step, 0}, scale) - here,
+                      noise(s.position + Vec3f{0, 0, step}, scale) - here};
+    s.normal = normalized(s.normal - slope * tilt);
   }
-  return factor;
 }
 
 }  // namespace
@@ -85,7 +92,7 @@ Vec3f Integrator::sky_on(const Surface& s, const Sampler& sampler) const {
   if (!hit) return under_sea(beyond(d), s.position);
   Vec3f light = bounced(hit, s.start, d, sampler);
   // A faint fill that open space has more of than crevices, so that no wall of a cave is black.
-  if (light_.lamp) light += Vec3f{0.10f, 0.105f, 0.12f} * (hit.t / (hit.t + 0.4f * light_.lamp->reach));
+  if (light_.lamp) light += Vec3f{0.075f, 0.08f, 0.092f} * (hit.t / (hit.t + 0.4f * light_.lamp->reach));
   return light;
 }
 
@@ -100,7 +107,7 @@ Integrator::Lit Integrator::lit(const Surface& s, const Sampler& sampler) const 
 Sample Integrator::solid(Vec3f from, Vec3f direction, const Hit& hit, float footprint,
                          const Sampler& sampler) const {
   Surface s = world_.surface(hit, from, direction, colors_);
-  s.albedo = s.albedo * grain(s.position, world_.spacing(), footprint * hit.t);
+  roughen(s, world_.spacing(), footprint * hit.t);
   const Lit light = lit(s, sampler);
   return {times(s.albedo, light.direct + light.indirect), light.indirect, s.albedo, s.normal, hit.t};
 }
