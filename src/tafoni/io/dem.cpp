@@ -92,7 +92,7 @@ class Reader {
         progress_(progress),
         source_(impl::DemSource::open(path, options.band, options.height_scale)),
         window_(checked_window(*source_, options)),
-        frame_(impl::metric_frame(*source_, window_, options.pixel_size)) {}
+        frame_(impl::metric_frame(*source_, window_, options.pixel_size, options.crs)) {}
 
   Dem read() {
     take(source_->notes);
@@ -275,12 +275,15 @@ DemInfo inspect_dem(const std::filesystem::path& path, int band, Progress& progr
   const auto window = checked_window(*source, {});
   DemInfo info;
   describe(*source, info);
-  const impl::Frame frame = impl::metric_frame(*source, window, 0);
+  const impl::Frame frame = impl::metric_frame(*source, window, 0, "");
   info.notes = source->notes;
   info.notes.insert(info.notes.end(), frame.notes.begin(), frame.notes.end());
   survey(*source, info, progress);
   note_oddities(source->report, info.notes);
   note_step(*source, info.step, false, info.notes);
+  if (info.missing > 0)
+    info.notes.push_back(
+        "pixels without data in holes up to eight pixels deep would be filled, the others left out.");
   return info;
 }
 

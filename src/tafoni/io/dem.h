@@ -27,6 +27,9 @@ struct DemOptions {
   /// Metres a unit of stored height, in place of what the file says; 0: the file's own. 16-bit heightmap
   /// pictures (.png, .r16) say nothing and count 1/128 m a unit (512 m from black to white).
   double height_scale = 0;
+  /// Where to bring the raster, WKT or EPSG:NUMBER, metres; empty: its own CRS, or the UTM zone of its middle
+  /// when that is not metric.
+  std::string crs;
 };
 
 struct Dem {
@@ -38,8 +41,8 @@ struct Dem {
 };
 
 /// Reads `path` by windows. Memory: the window at the resolution asked for, up to four times that while holes
-/// are mended or the grid is warped. Throws Error{input} for what is no elevation model, Error{usage} for options that do not fit
-/// the file.
+/// are mended or the grid is warped. Throws Error{input} for what is no elevation model, Error{usage} for
+/// options that do not fit the file.
 Dem read_dem(const std::filesystem::path& path, const DemOptions& options = {},
              Progress& progress = silent());
 

@@ -86,6 +86,7 @@ std::optional<landforms::Region> region_of(const Layer& layer, const BuiltScene&
   if (!s.mask.empty()) {
     io::DemOptions options;
     options.fill_distance = 0;
+    options.crs = scene.crs;
     auto mask =
         std::make_shared<raster::Raster>(io::read_dem(scene.document.resolved(s.mask), options).raster);
     mask->placement.west -= o.x;

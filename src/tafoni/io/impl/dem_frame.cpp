@@ -90,7 +90,7 @@ class FrameMaker {
     frame_.crs = source.crs;
   }
 
-  Frame make(double pixel_size) {
+  Frame make(double pixel_size, const std::string& wanted) {
     if (source_.georeferenced && pixel_size != 0)
       fail(ErrorKind::usage, "{} has a georeference; a pixel size is only for files without one.",
            source_.name);
@@ -105,6 +105,7 @@ class FrameMaker {
       from_degrees();
     else
       from_plane();
+    if (!wanted.empty()) bring_to(crs_from_wkt(wanted));
     const Transform& t = frame_.transform;
     const double along = std::hypot(t[1], t[4]), across = std::hypot(t[2], t[5]);
     const auto none = [](double v, double of) { return std::abs(v) <= 1e-7 * of; };
@@ -187,6 +188,24 @@ class FrameMaker {
                        (name_of(frame_.crs) + " in metres").c_str());
   }
 
+  void bring_to(const OGRSpatialReference& wanted) {
+    if (wanted.IsGeographic() || wanted.IsGeocentric() || std::abs(wanted.GetLinearUnits() - 1) > 1e-9)
+      fail(ErrorKind::usage, "{} is not a map in metres; choose one, such as a UTM zone.", name_of(wanted));
+    if (frame_.crs.IsEmpty()) {
+      frame_.crs = wanted;
+      frame_.notes.push_back(fmt::format("is taken to be in {}.", name_of(wanted)));
+    } else if (frame_.reproject) {
+      frame_.notes.back() = fmt::format("is in {}; reprojected to {}.", name_of(frame_.crs), name_of(wanted));
+      frame_.target = wanted;
+    } else if (!frame_.crs.IsSame(&wanted)) {
+      measure({1, 1});
+      frame_.reproject = true;
+      frame_.notes.push_back(
+          fmt::format("is in {}; reprojected to {}.", name_of(frame_.crs), name_of(wanted)));
+      frame_.target = wanted;
+    }
+  }
+
   void measure(Vec2d metres_per_unit) {
     const Transform& t = frame_.transform;
     frame_.pixel_x = std::hypot(t[1] * metres_per_unit.x, t[4] * metres_per_unit.y);
@@ -267,9 +286,10 @@ Hull suggested_hull(GDALDataset* source, void* transformer, const std::string& n
 
 }  // namespace
 
-Frame metric_frame(const DemSource& source, const std::array<int, 4>& window, double pixel_size) {
+Frame metric_frame(const DemSource& source, const std::array<int, 4>& window, double pixel_size,
+                   const std::string& wanted) {
   GdalMessages messages;
-  return FrameMaker(source, window).make(pixel_size);
+  return FrameMaker(source, window).make(pixel_size, wanted);
 }
 
 void check_memory(double pixels, double copies, const std::string& name) {

@@ -23,7 +23,9 @@ struct Frame {
 };
 
 /// Decides how to bring `source` to metres. `pixel_size` is for files without georeference; 0 is 1 m.
-Frame metric_frame(const DemSource& source, const std::array<int, 4>& window, double pixel_size);
+/// `wanted` is the CRS to bring it to; empty: its own or a UTM zone.
+Frame metric_frame(const DemSource& source, const std::array<int, 4>& window, double pixel_size,
+                   const std::string& wanted);
 
 /// Puts a grid that covers `transform` (six numbers as GDAL's, in metres) upright by flips and quarter turns;
 /// `transform` has no other rotation.

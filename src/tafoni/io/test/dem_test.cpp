@@ -8,6 +8,7 @@
 #include <sys/resource.h>
 
 #include "tafoni/io/test/dem_testing.h"
+#include "tafoni/raster/resample.h"
 
 namespace tafoni::io {
 namespace {
@@ -137,6 +138,34 @@ TEST(ReadDem, WebMercatorMetresAreNotMetres) {
   const Dem dem = read_dem(path);
   EXPECT_THAT(joined(dem.notes), HasSubstr("a metre on the map"));
   EXPECT_NEAR(dem.raster.placement.dx, 10 * std::cos(53.53 * M_PI / 180), 0.05);
+}
+
+TEST(ReadDem, GoesWhereItIsWanted) {
+  const fs::path path = temporary("utm30.tif");
+  raster::Raster made{raster::Grid<float>(50, 40), {600000, 5900000, 10, 10}, "EPSG:32630"};
+  for (int r = 0; r < 40; ++r)
+    for (int c = 0; c < 50; ++c) made.values.at(c, r) = static_cast<float>(hill(c, r));
+  write_geotiff(path, made);
+  DemOptions options;
+  options.crs = "EPSG:32630";
+  const Dem same = read_dem(path, options);
+  EXPECT_EQ(same.raster.values.values(), made.values.values());
+  EXPECT_THAT(same.notes, IsEmpty());
+  // ETRS89 and WGS 84 agree to a metre; zone 31 begins 6 degrees further east.
+  options.crs = "EPSG:25830";
+  const Dem near = read_dem(path, options);
+  EXPECT_THAT(joined(near.notes), HasSubstr("reprojected to ETRS89 / UTM zone 30N"));
+  EXPECT_NEAR(raster::sample_bicubic(near.raster, 600205, 5899795), hill(20, 20), 0.3);
+  options.crs = "EPSG:32631";
+  const Dem far = read_dem(path, options);
+  EXPECT_LT(far.raster.placement.west, 210'000);
+  EXPECT_NEAR(far.raster.placement.dx, 10, 0.1);
+  options.crs = "EPSG:4326";
+  EXPECT_EQ(thrown_by([&] { read_dem(path, options); }).kind, ErrorKind::usage);
+  options.crs = "EPSG:32630";
+  const Dem placed = read_dem(ascii("bare.asc", 20, 10, at_home, hill), options);
+  EXPECT_THAT(joined(placed.notes), HasSubstr("taken to be in WGS 84 / UTM zone 30N"));
+  EXPECT_THAT(placed.raster.crs, HasSubstr("UTM zone 30N"));
 }
 
 TEST(ReadDem, FeetOnTheMapDoNotMakeTheHeightsFeet) {
