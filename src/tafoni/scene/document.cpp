@@ -18,7 +18,7 @@ const std::vector<ParamInfo>& scene_params() {
           .choice("boundary", &S::boundary, {"solid", "open"},
                   "solid closes the mesh with walls and a base; open leaves a terrain sheet")
           .real("min_fragment", &S::min_fragment, "m3", 0, 1e12,
-                "Floating pieces with less volume are removed")
+                "Floating pieces with less volume, or of only a few cells, are removed; 0 keeps all")
           .real("simplify", &S::simplify, "m", 0, 1e4,
                 "Greatest distance a simplified mesh may stray; 0 keeps every triangle");
   return params;

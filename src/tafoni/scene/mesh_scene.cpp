@@ -21,6 +21,9 @@ mesh::PolygonizeSettings settings_for(const BuiltScene& scene, const field::Comp
   settings.voxel = voxel;
   settings.boundary = scene.boundary();
   settings.min_fragment_volume = scene.document.scene.min_fragment;
+  constexpr double few_cells = 20;
+  if (settings.min_fragment_volume > 0)
+    settings.min_fragment_volume = std::max(settings.min_fragment_volume, few_cells * voxel * voxel * voxel);
   if (settings.boundary == mesh::Boundary::solid) return settings;
   settings.region = scene.terrain.box;
   const Box3d bounds = field.bounds();

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "tafoni/mesh/metrics.h"
@@ -23,7 +25,11 @@ Json layers_json(const BuiltScene& scene) {
     std::uint64_t primitives = 0;
     for (const auto& node : layer.nodes) primitives += field::stats(node).primitives;
     entry["primitives"] = primitives;
-    for (const auto& [name, value] : layer.report) entry[name] = to_json(value);
+    for (const auto& [name, value] : layer.report) {
+      std::string key = name;
+      std::replace(key.begin(), key.end(), ' ', '_');
+      entry[key] = to_json(value);
+    }
     out.push_back(std::move(entry));
   }
   return out;
