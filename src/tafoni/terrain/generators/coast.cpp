@@ -261,22 +261,46 @@ class Builder {
     }
   }
 
+  /// Beyond its outline by this much a feature changes no sign.
+  double margin() const { return 14 + 2 * p_.pixel; }
+
+  struct Reach {
+    Vec2d center;
+    double radius;
+  };
+  /// Those of `all` that matter on the row at y.
+  template <class T, class ReachOf>
+  std::vector<T> near(const std::vector<T>& all, double y, const ReachOf& reach_of) const {
+    std::vector<T> out;
+    for (const T& one : all) {
+      const Reach reach = reach_of(one);
+      if (std::abs(y - reach.center.y) < reach.radius + margin()) out.push_back(one);
+    }
+    return out;
+  }
+
   /// The shoreline and, behind a shelf that is wide in bays and missing in inlets, the foot of the cliffs.
   void draw_lines(int row, const Points& points) {
     const auto land = open_coast(points);
     const auto jx = noise(26, 4, 5).at(points), jy = noise(26, 4, 6).at(points);
     const auto shelf = noise(70, 3, 8).at(points), crags = noise(20, 4, 9).at(points);
+    const double y = points.front().y;
+    const auto inlets = near(inlets_, y, [](const Inlet& o) {
+      return Reach{o.mouth, o.length + o.half_width};
+    });
+    const auto stacks = near(stacks_, y, [](const Stack& o) { return Reach{o.center, o.radius}; });
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec2d p = points[i] + Vec2d{jx[i], jy[i]} * 6.0;
       const double into_bay = (points[i].y - base_) / std::max(p_.bays, 1.0);
       const double width = (3 + 11 * smooth(0.4 + into_bay)) * (0.8 + shelf[i]) + 5 * p_.roughness * crags[i];
       double sea = land[i], rock = land[i] - std::max(width, 0.7);
-      for (const Inlet& inlet : inlets_) {
-        if (std::abs(p.x - inlet.mouth.x) > 120) continue;
+      for (const Inlet& inlet : inlets) {
+        if (std::abs(p.x - inlet.mouth.x) > inlet.length + inlet.half_width + margin()) continue;
         sea = std::min(sea, inlet.outside(p));
         rock = std::min(rock, inlet.outside(p) - 0.7);
       }
-      for (const Stack& stack : stacks_) {
+      for (const Stack& stack : stacks) {
+        if (std::abs(p.x - stack.center.x) > stack.radius + margin()) continue;
         const double island = stack.radius - std::hypot(p.x - stack.center.x, p.y - stack.center.y);
         sea = std::max(sea, island);
         rock = std::max(rock, island - 1.2);
@@ -343,9 +367,9 @@ class Builder {
     const auto hills = noise(240, 3, 20).at(points), knolls = noise(60, 4, 21).at(points);
     const auto valleys = noise(420, 2, 22).at(points), grain = noise(7, 4, 23).at(points);
     const auto wobble = noise(18, 2, 24).at(points), ledges = noise(130, 2, 25).at(points);
-    std::vector<Doline> near;
-    for (const Doline& d : dolines_)
-      if (std::abs(points.front().y - d.center.y) < 1.5 * d.radius) near.push_back(d);
+    const auto dolines = near(dolines_, points.front().y, [](const Doline& o) {
+      return Reach{o.center, 1.5 * o.radius};
+    });
     std::vector<double> out(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double back = std::max(inland[i], 0.0);
@@ -359,7 +383,7 @@ class Builder {
       }
       h += 0.35 * p_.roughness * grain[i];
       double hole = 0;
-      for (const Doline& d : near)
+      for (const Doline& d : dolines)
         if (std::abs(points[i].x - d.center.x) < 1.5 * d.radius)
           hole = std::max(hole, doline_depth(d, points[i], wobble[i]));
       out[i] = h - hole;
@@ -376,6 +400,9 @@ class Builder {
       std::tie(behind[i], foot[i]) = foot_.distance(cell, points[i]);
     }
     const auto top = plateau(points, behind);
+    const auto stacks = near(stacks_, points.front().y, [](const Stack& o) {
+      return Reach{o.center, o.radius};
+    });
     // What depends on the nearest point of the foot runs straight up the face.
     const auto gully = noise(16, 2, 31).at(foot), steep = noise(120, 2, 33).at(points);
     const auto rocks = noise(9, 4, 34).at(points), reef = noise(40, 4, 35).at(points);
@@ -387,7 +414,7 @@ class Builder {
       }
       const double up_shelf = behind[i] > 0 ? 1 : d / (d - behind[i]);
       const double shelf = (1.8 + 0.4 * p_.roughness * (rocks[i] + 1)) * smooth(up_shelf);
-      const Stack* stack = stack_at(points[i]);
+      const Stack* stack = stack_at(stacks, points[i]);
       const double flute =
           (stack ? 0.5 : 1.0) * p_.roughness * (0.7 * rocks[i] + 0.8 * (0.6 - std::abs(gully[i])));
       const double reach = (behind[i] - flute) * (stack ? 1.8 : 1.2 + 0.4 * steep[i]);
@@ -406,8 +433,8 @@ class Builder {
     return std::min(floor + reefs * smooth(-d / 12), -0.05 + 0.04 * d);
   }
 
-  const Stack* stack_at(Vec2d p) const {
-    for (const Stack& s : stacks_)
+  static const Stack* stack_at(const std::vector<Stack>& stacks, Vec2d p) {
+    for (const Stack& s : stacks)
       if (std::hypot(p.x - s.center.x, p.y - s.center.y) < s.radius + 4) return &s;
     return nullptr;
   }
