@@ -118,7 +118,7 @@ std::function<int(Console&)> setup(Args& args) {
               "Direction of view, clockwise from north");
   args.number("--elevation", "DEG", r->elevation, -90, 90, "degrees", "How far the camera looks down");
   args.numbers("--size", "W,H", r->size, 2, "Pixels; default 1280,720");
-  args.integer("--samples", "N", r->samples, 1, 4096, "Rays a pixel; default 16");
+  args.integer("--samples", "N", r->samples, 1, 4096, "Rays a pixel; default 8");
   args.group("Light");
   args.number("--sun-azimuth", "DEG", r->sun_azimuth, -360, 360, "degrees",
               "Where the sun stands, clockwise from north");

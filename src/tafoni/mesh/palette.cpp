@@ -11,7 +11,7 @@ namespace {
 // Linear reflectances, chosen by eye from photographs of limestone and sandstone coasts.
 constexpr Vec3f soft_rock{0.36f, 0.235f, 0.125f}, middle_rock{0.305f, 0.235f, 0.165f},
     hard_rock{0.25f, 0.225f, 0.195f};
-constexpr Vec3f meadow{0.062f, 0.082f, 0.026f}, dry_grass{0.155f, 0.130f, 0.055f},
+constexpr Vec3f meadow{0.066f, 0.083f, 0.030f}, dry_grass{0.155f, 0.130f, 0.055f},
     soil{0.155f, 0.105f, 0.062f};
 constexpr Vec3f sand{0.37f, 0.295f, 0.20f}, weed{0.045f, 0.05f, 0.03f}, clay{0.23f, 0.16f, 0.10f};
 constexpr std::uint64_t texture_seed = 0x7af0;
@@ -52,8 +52,9 @@ Vec3f bare_rock(const SurfacePoint& s) {
 
 /// Grass on treads above the spray, thinning to soil where it is steeper.
 Vec3f with_plants(const SurfacePoint& s, Vec3f rock) {
-  const float dryness = 0.5f + 1.1f * texture(s.position, {70, 70, 70}, s.spacing, 4, 5) +
-                        0.35f * texture(s.position, {9, 9, 9}, s.spacing, 2, 6);
+  const float dryness = 0.42f + 0.5f * texture(s.position, {420, 420, 420}, s.spacing, 3, 9) +
+                        0.55f * texture(s.position, {70, 70, 70}, s.spacing, 4, 5) +
+                        0.3f * texture(s.position, {9, 9, 9}, s.spacing, 2, 6);
   const float ragged = 0.16f * texture(s.position, {16, 16, 16}, s.spacing, 3, 7);
   const Vec3f grass = mix(meadow, dry_grass, std::clamp(dryness, 0.0f, 1.0f));
   const float above_spray = smooth(2.0f, 7.0f, s.height_above_sea + 12 * ragged);

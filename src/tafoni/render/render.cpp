@@ -77,6 +77,14 @@ Light light_of(const impl::World& world, const View& view, const RenderSettings&
   light.to_sun =
       to_float({std::sin(azimuth) * std::cos(settings.sun_elevation),
                 std::cos(azimuth) * std::cos(settings.sun_elevation), std::sin(settings.sun_elevation)});
+  // A spiral of directions about the zenith stands for all of the sky.
+  light.open_ground = Light::sun * std::max(0.0f, light.to_sun.z);
+  constexpr int directions = 256;
+  for (int i = 0; i < directions; ++i) {
+    const impl::Point2 p{(static_cast<float>(i) + 0.5f) / directions,
+                         std::fmod(static_cast<float>(i) * 0.618034f, 1.0f)};
+    light.open_ground += light.sky(impl::cosine_direction({0, 0, 1}, p)) * (1.0f / directions);
+  }
   light.sun_radius = static_cast<float>(settings.sun_radius);
   light.sea = sea;
   if (sea) light.sea_floor = world.floor_below(*sea);

@@ -73,7 +73,7 @@ void denoise(Film& film, const View& view) {
 
 raster::Image develop(const Film& film, double exposure) {
   raster::Image image(film.width(), film.height());
-  const float gain = 0.46f * static_cast<float>(exposure);
+  const float gain = 0.49f * static_cast<float>(exposure);
   parallel_blocks(static_cast<std::int64_t>(film.size()), 16384, [&](std::int64_t begin, std::int64_t end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const Vec3f c = film.values()[i].color * gain;

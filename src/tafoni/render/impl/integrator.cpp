@@ -139,6 +139,28 @@ Sample Integrator::floor_beyond(Vec3f from, Vec3f direction, const Sampler& samp
   return sample;
 }
 
+Sample Integrator::backdrop(Vec3f from, Vec3f direction, const Sampler& sampler) const {
+  const Vec3f open = light_.backdrop(direction);
+  const Box3f& box = world_.box();
+  const float drop = from.z - box.lo.z;
+  if (light_.lamp || light_.sea || direction.z >= 0 || drop <= 0) return {open, {}, {}, {}, far_away};
+  Surface s;
+  s.position = s.start = from + direction * (drop / -direction.z);
+  s.normal = s.face = {0, 0, 1};
+  const Vec3f aside = s.position - box.center();
+  const float size = 0.5f * length(box.size());
+  const float kept = 1 - smooth(1.0f, 2.2f, length(Vec3f{aside.x, aside.y, 0}) / size);
+  if (kept <= 0) return {open, {}, {}, {}, far_away};
+  // By brightness alone: the sky would make the shadow on a white floor blue.
+  constexpr float strength = 0.85f;
+  const Vec3f share = open * (strength * kept / luminance(light_.open_ground));
+  const Lit light = lit(s, sampler);
+  const float lost = luminance(light_.open_ground) - luminance(light.direct + light.indirect);
+  const Vec3f grey = Vec3f{1, 1, 1} * luminance(light.indirect);
+  const Sample sample{open - share * lost, grey, share, s.normal, drop / -direction.z};
+  return sample;
+}
+
 Sample Integrator::water(Vec3f from, Vec3f direction, float t_sea, const Hit& hit, float footprint,
                          const Sampler& sampler) const {
   const Vec3f p = from + direction * t_sea;
@@ -191,7 +213,7 @@ Sample Integrator::eye_ray(Vec3f from, Vec3f direction, float footprint, const S
   else if (hit)
     sample = solid(from, direction, hit, footprint, sampler);
   else
-    return {light_.sky(direction), {}, {}, {}, far_away};
+    return backdrop(from, direction, sampler);
   const float t = std::min(t_sea, hit.t);
   const float clear = std::exp(-light_.haze_per_metre * std::max(0.0f, t - light_.haze_begin));
   sample.color = light_.hazy(sample.color, t);

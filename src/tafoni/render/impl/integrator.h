@@ -44,6 +44,8 @@ class Integrator {
   float deepening(Vec3f position) const;
   /// The sea's floor where the data ends: it goes on from the data's own at the same depth.
   Sample floor_beyond(Vec3f from, Vec3f direction, const Sampler& sampler) const;
+  /// The backdrop below the horizon, darkened by the mesh's shadow on a plane under it.
+  Sample backdrop(Vec3f from, Vec3f direction, const Sampler& sampler) const;
   Sample solid(Vec3f from, Vec3f direction, const Hit& hit, float footprint, const Sampler& sampler) const;
 
   const World& world_;

@@ -43,11 +43,18 @@ struct Light {
 
   static constexpr Vec3f sun{3.40f, 2.95f, 2.35f};
   static constexpr Vec3f zenith{0.28f, 0.43f, 0.74f}, horizon{0.70f, 0.79f, 0.90f};
-  static constexpr Vec3f ground{0.62f, 0.645f, 0.66f};
+  static constexpr Vec3f ground{0.46f, 0.45f, 0.43f};
   /// What water scatters back, and how fast it takes light away, per metre.
   static constexpr Vec3f water{0.018f, 0.085f, 0.105f}, absorption{0.30f, 0.10f, 0.075f};
 
-  /// Radiance of what lies behind everything.
+  /// Light that open level ground gets from sun and sky.
+  Vec3f open_ground{1, 1, 1};
+
+  /// What the eye sees behind everything: a pale backdrop below the horizon.
+  Vec3f backdrop(Vec3f d) const {
+    return d.z >= 0 ? sky(d) : mix(sky({d.x, d.y, 0}), {1.02f, 1.0f, 0.97f}, smooth(0, 0.5f, -d.z));
+  }
+  /// Radiance that lights the scene from a direction.
   Vec3f sky(Vec3f d) const {
     const float up = std::clamp(d.z, 0.0f, 1.0f);
     const Vec3f clear = mix(horizon, zenith, 1 - std::exp(-3.2f * up));
