@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 
@@ -14,67 +15,103 @@ namespace {
 using raster::Grid;
 
 constexpr std::int64_t lines_a_block = 64;
+constexpr int blur_passes = 3;  // box blurs; three come close to a Gaussian
 
-/// The mean over 2 `radius` + 1 values of a line, whose ends go on; `stride` apart.
-void box_blur(float* line, int count, std::ptrdiff_t stride, int radius, std::vector<float>& copy) {
-  copy.resize(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) copy[static_cast<std::size_t>(i)] = line[i * stride];
-  const auto at = [&](int i) { return copy[static_cast<std::size_t>(std::clamp(i, 0, count - 1))]; };
+/// Replaces each of `count` lines of `length` values by the mean of the 2 `radius` + 1 lines around it, the
+/// outermost going on beyond the ends. `lines` holds them one after the other; `scratch` grows as needed.
+void box_blur(std::vector<float>& lines, int count, int length, int radius, std::vector<float>& scratch) {
+  scratch.assign(lines.size(), 0);
+  const float weight = 1 / static_cast<float>(2 * radius + 1);
   for (int i = 0; i < count; ++i) {
-    float sum = 0;
-    for (int k = -radius; k <= radius; ++k) sum += at(i + k);
-    line[i * stride] = sum / static_cast<float>(2 * radius + 1);
-  }
-}
-
-/// Three box blurs each way: close to a Gaussian.
-void blur(Grid<float>& grid, int radius) {
-  constexpr int passes = 3;
-  const int width = grid.width(), height = grid.height();
-  parallel_blocks(height, lines_a_block, [&](std::int64_t first, std::int64_t last) {
-    std::vector<float> copy;
-    for (int row = static_cast<int>(first); row < last; ++row)
-      for (int pass = 0; pass < passes; ++pass) box_blur(grid.row(row), width, 1, radius, copy);
-  });
-  parallel_blocks(width, lines_a_block, [&](std::int64_t first, std::int64_t last) {
-    std::vector<float> copy;
-    for (int col = static_cast<int>(first); col < last; ++col)
-      for (int pass = 0; pass < passes; ++pass) box_blur(grid.data() + col, height, width, radius, copy);
-  });
-}
-
-/// The 4-connected pixels of `mask` around one, which leave it.
-std::vector<std::pair<int, int>> take_island(Grid<std::uint8_t>& mask, int col, int row) {
-  std::vector<std::pair<int, int>> out{{col, row}};
-  mask.at(col, row) = 0;
-  for (std::size_t next = 0; next < out.size(); ++next) {
-    const auto [c, r] = out[next];
-    for (const auto& [i, j] : {std::pair{c - 1, r}, {c + 1, r}, {c, r - 1}, {c, r + 1}}) {
-      if (!mask.inside(i, j) || !mask.at(i, j)) continue;
-      mask.at(i, j) = 0;
-      out.emplace_back(i, j);
+    float* to = scratch.data() + static_cast<std::ptrdiff_t>(i) * length;
+    for (int k = i - radius; k <= i + radius; ++k) {
+      const float* from = lines.data() + static_cast<std::ptrdiff_t>(std::clamp(k, 0, count - 1)) * length;
+      for (int j = 0; j < length; ++j) to[j] += weight * from[j];
     }
+  }
+  lines.swap(scratch);
+}
+
+/// Both directions work on blocks gathered so that the blur runs across lines, which is contiguous.
+void blur(Grid<float>& grid, int radius) {
+  const int width = grid.width(), height = grid.height();
+  parallel_blocks(width, lines_a_block, [&](std::int64_t first, std::int64_t last) {
+    const int columns = static_cast<int>(last - first);
+    std::vector<float> lines(static_cast<std::size_t>(height) * static_cast<std::size_t>(columns)), scratch;
+    for (int row = 0; row < height; ++row)
+      std::copy_n(grid.row(row) + first, columns, lines.data() + static_cast<std::ptrdiff_t>(row) * columns);
+    for (int pass = 0; pass < blur_passes; ++pass) box_blur(lines, height, columns, radius, scratch);
+    for (int row = 0; row < height; ++row)
+      std::copy_n(lines.data() + static_cast<std::ptrdiff_t>(row) * columns, columns, grid.row(row) + first);
+  });
+  parallel_blocks(height, lines_a_block, [&](std::int64_t first, std::int64_t last) {
+    const int rows = static_cast<int>(last - first);
+    std::vector<float> lines(static_cast<std::size_t>(width) * static_cast<std::size_t>(rows)), scratch;
+    const auto at = [&](int col, int row) -> float& {
+      return lines[static_cast<std::size_t>(col) * static_cast<std::size_t>(rows) +
+                   static_cast<std::size_t>(row)];
+    };
+    for (int row = 0; row < rows; ++row)
+      for (int col = 0; col < width; ++col) at(col, row) = grid.at(col, static_cast<int>(first) + row);
+    for (int pass = 0; pass < blur_passes; ++pass) box_blur(lines, width, rows, radius, scratch);
+    for (int row = 0; row < rows; ++row)
+      for (int col = 0; col < width; ++col) grid.at(col, static_cast<int>(first) + row) = at(col, row);
+  });
+}
+
+/// Pixels [first, last) of one row that belong together.
+struct Run {
+  int row, first, last;
+  std::size_t parent;  ///< another run of the same island, or itself
+  bool large;          ///< of the root: the island reaches far enough from its border
+};
+
+std::size_t root_of(std::vector<Run>& runs, std::size_t i) {
+  while (runs[i].parent != i) i = runs[i].parent = runs[runs[i].parent].parent;
+  return i;
+}
+
+/// The runs of positive `distance`, joined to islands through 4-neighbours.
+std::vector<Run> islands_of(const Grid<float>& distance, float least) {
+  std::vector<Run> runs;
+  std::size_t above = 0, above_end = 0;
+  for (int row = 0; row < distance.height(); ++row) {
+    const std::size_t here = runs.size();
+    for (int col = 0; col < distance.width();) {
+      if (!(distance.at(col, row) > 0)) {
+        ++col;
+        continue;
+      }
+      Run run{row, col, col, runs.size(), false};
+      for (; run.last < distance.width() && distance.at(run.last, row) > 0; ++run.last)
+        run.large = run.large || distance.at(run.last, row) > least;
+      col = run.last;
+      runs.push_back(run);
+      while (above < above_end && runs[above].last <= run.first) ++above;
+      for (std::size_t i = above; i < above_end && runs[i].first < run.last; ++i) {
+        const std::size_t a = root_of(runs, i), b = root_of(runs, runs.size() - 1);
+        runs[a].large = runs[a].large || runs[b].large;
+        runs[b].parent = a;
+      }
+    }
+    above = here;
+    above_end = runs.size();
+  }
+  return runs;
+}
+
+/// 1 where `distance` is positive, without islands nowhere farther than `least` from the border, unless all
+/// are such.
+Grid<std::uint8_t> without_islets(const Grid<float>& distance, float least) {
+  std::vector<Run> runs = islands_of(distance, least);
+  bool any = false;
+  for (std::size_t i = 0; i < runs.size(); ++i) any = any || runs[root_of(runs, i)].large;
+  Grid<std::uint8_t> out(distance.width(), distance.height());
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (any && !runs[root_of(runs, i)].large) continue;
+    std::fill(out.row(runs[i].row) + runs[i].first, out.row(runs[i].row) + runs[i].last, std::uint8_t{1});
   }
   return out;
-}
-
-/// 1 where `distance` is positive, without islands nowhere farther than `least` from the border.
-Grid<std::uint8_t> without_islets(const Grid<float>& distance, float least) {
-  Grid<std::uint8_t> left(distance.width(), distance.height()), kept = left;
-  for (std::size_t i = 0; i < left.size(); ++i) left.values()[i] = distance.values()[i] > 0;
-  const Grid<std::uint8_t> all = left;
-  bool any = false;
-  for (int row = 0; row < left.height(); ++row)
-    for (int col = 0; col < left.width(); ++col) {
-      if (!left.at(col, row)) continue;
-      const auto island = take_island(left, col, row);
-      const bool large = std::any_of(island.begin(), island.end(),
-                                     [&](const auto& p) { return distance.at(p.first, p.second) > least; });
-      if (!large) continue;
-      any = true;
-      for (const auto& [c, r] : island) kept.at(c, r) = 1;
-    }
-  return any ? kept : all;
 }
 
 }  // namespace
