@@ -24,56 +24,71 @@ std::vector<Triangle> joined(const std::vector<Patch>& patches) {
   return out;
 }
 
-void collapse_all(std::span<const Vec3f> positions, std::vector<Patch>& patches, double error,
-                  Progress& progress) {
+void collapse_all(std::span<const Vec3f> positions, const impl::Ownership& ownership,
+                  std::vector<Patch>& patches, double error, Progress& progress) {
+  std::vector<std::size_t> todo;
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    if (!patches[p].done) todo.push_back(p);
   parallel_for(
-      static_cast<std::int64_t>(patches.size()),
-      [&](std::int64_t p) {
-        Patch& patch = patches[static_cast<std::size_t>(p)];
-        if (patch.result.empty()) impl::collapse(positions, patch, std::ldexp(error, -patch.halvings));
+      static_cast<std::int64_t>(todo.size()),
+      [&](std::int64_t at) {
+        Patch& patch = patches[todo[static_cast<std::size_t>(at)]];
+        impl::collapse(positions, ownership, patch, std::ldexp(error, -patch.halvings));
       },
       progress);
 }
 
-/// Edge collapse can pinch the surface, within a patch or between two that share border vertices. Such
-/// patches are done again in smaller parts, and in the end left as they were; the given surface is sound, so
-/// this ends. Returns whether there was anything to mend.
-bool mend(std::span<const Vec3f> positions, std::vector<Patch>& patches) {
-  const std::vector<bool> broken = impl::broken_vertices(positions, joined(patches));
+/// What to do instead of a collapse that broke the surface: the same in smaller parts, then with less error,
+/// and in the end nothing.
+void try_again(std::span<const Vec3f> positions, impl::Ownership& ownership, Patch& patch,
+               std::vector<Patch>& next) {
+  if (patch.given.size() > least_patch) {
+    auto parts = impl::cut(positions, patch.given, patch.given.size() / 4, 0.25);
+    if (parts.size() > 1) {
+      for (Patch& part : parts) {
+        ownership.take(part, patch.id);
+        next.push_back(std::move(part));
+      }
+      return;
+    }
+  }
+  patch.done = patch.broken = false;
+  if (++patch.halvings > most_halvings) {
+    patch.result = patch.given;
+    patch.done = patch.rejected = true;
+  }
+  next.push_back(std::move(patch));
+}
+
+/// Edge collapse can pinch the surface, within a patch or between two that share border vertices. Returns
+/// whether there are such patches, and readies them to be done again; the given surface is sound, so this
+/// ends.
+bool mend(std::span<const Vec3f> positions, impl::Ownership& ownership, std::vector<Patch>& patches) {
+  const std::vector<bool> broken = impl::broken_shared_vertices(positions, ownership, patches);
   std::vector<Patch> next;
-  bool mended = false;
+  bool again = false;
   for (Patch& patch : patches) {
-    bool bad = false;
+    bool bad = patch.broken;
     for (const Triangle& t : patch.result) bad = bad || broken[t[0]] || broken[t[1]] || broken[t[2]];
     if (!bad || patch.rejected) {
       next.push_back(std::move(patch));
       continue;
     }
-    mended = true;
-    std::vector<Patch> parts;
-    if (patch.given.size() > least_patch)
-      parts = impl::cut(positions, patch.given, patch.given.size() / 4, 0.25);
-    if (parts.size() > 1) {
-      for (Patch& part : parts) next.push_back(std::move(part));
-      continue;
-    }
-    patch.result.clear();
-    if (++patch.halvings > most_halvings) {
-      patch.result = patch.given;
-      patch.rejected = true;
-    }
-    next.push_back(std::move(patch));
+    again = true;
+    try_again(positions, ownership, patch, next);
   }
   patches = std::move(next);
-  return mended;
+  return again;
 }
 
 std::vector<Triangle> simplify_round(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
                                      double error, double shift, Progress& progress, SimplifyStats& stats) {
   std::vector<Patch> patches = impl::cut(positions, triangles, patch_triangles, shift);
+  impl::Ownership ownership(positions.size());
+  for (Patch& patch : patches) ownership.take(patch);
   progress.begin("simplify", patches.size(), "patches");
-  do collapse_all(positions, patches, error, progress);
-  while (mend(positions, patches));
+  do collapse_all(positions, ownership, patches, error, progress);
+  while (mend(positions, ownership, patches));
   progress.end();
   stats.patches += patches.size();
   for (const Patch& patch : patches) stats.patches_rejected += patch.rejected;

@@ -1,16 +1,102 @@
 #include "tafoni/mesh/impl/patches.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include <meshoptimizer.h>
 
 namespace tafoni::mesh::impl {
 
+namespace {
+
+/// Numbers from 0 in the order of first appearance, by open addressing.
+class LocalNumbers {
+ public:
+  explicit LocalNumbers(std::size_t most) : slots_(std::bit_ceil(2 * most + 2), Slot{}) {}
+
+  std::uint32_t operator()(std::uint32_t global) {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t at = static_cast<std::size_t>(global * 0x9e3779b1u) & mask;
+    while (slots_[at].global != empty && slots_[at].global != global) at = (at + 1) & mask;
+    if (slots_[at].global == empty) {
+      slots_[at] = {global, static_cast<std::uint32_t>(globals_.size())};
+      globals_.push_back(global);
+    }
+    return slots_[at].local;
+  }
+  const std::vector<std::uint32_t>& globals() const { return globals_; }
+
+ private:
+  static constexpr std::uint32_t empty = 0xffffffff;
+  struct Slot {
+    std::uint32_t global = empty, local = 0;
+  };
+  std::vector<Slot> slots_;
+  std::vector<std::uint32_t> globals_;
+};
+
+/// Triangles by their own numbers for the vertices they use.
+struct LocalMesh {
+  std::vector<std::uint32_t> globals;
+  std::vector<Vec3f> positions;  ///< relative to the first
+  std::vector<Triangle> triangles;
+};
+
+LocalMesh local_mesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles) {
+  LocalMesh out;
+  LocalNumbers number(triangles.size() + 16);
+  out.triangles.reserve(triangles.size());
+  for (const Triangle& t : triangles) {
+    const std::uint32_t a = number(t[0]), b = number(t[1]);
+    out.triangles.push_back({a, b, number(t[2])});
+  }
+  out.globals = number.globals();
+  out.positions.reserve(out.globals.size());
+  for (std::uint32_t v : out.globals) out.positions.push_back(positions[v] - positions[out.globals[0]]);
+  return out;
+}
+
+/// Index of each triangle that has the same three vertices as another, in pairs.
+std::vector<std::size_t> repeated_triangles(std::span<const Triangle> triangles) {
+  std::vector<std::pair<Triangle, std::size_t>> keys;
+  keys.reserve(triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    keys.emplace_back(triangles[t], t);
+    std::sort(keys.back().first.begin(), keys.back().first.end());
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::size_t> out;
+  for (std::size_t i = 1; i < keys.size(); ++i)
+    if (keys[i].first == keys[i - 1].first) out.insert(out.end(), {keys[i - 1].second, keys[i].second});
+  return out;
+}
+
+/// A small closed piece collapses to two triangles back to back, which enclose nothing: they go.
+void remove_pillows(std::vector<Triangle>& triangles) {
+  const Triangle gone{};
+  for (std::size_t t : repeated_triangles(triangles)) triangles[t] = gone;
+  std::erase(triangles, gone);
+}
+
+}  // namespace
+
+void Ownership::take(Patch& patch, std::uint32_t parent) {
+  patch.id = next_++;
+  for (const Triangle& t : patch.given)
+    for (auto v : t) {
+      if (owners_[v] == none || owners_[v] == parent)
+        owners_[v] = patch.id;
+      else if (owners_[v] != patch.id)
+        shared_[v] = true;
+    }
+}
+
 std::vector<Patch> cut(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
                        std::size_t wanted, double shift) {
+  // A corner places a triangle as well as its middle does.
   Box3f box;
-  for (const Vec3f& p : positions) box.expand(p);
+  for (const Triangle& t : triangles) box.expand(positions[t[0]]);
   const double count = std::max(1.0, static_cast<double>(triangles.size()) / static_cast<double>(wanted));
   const double width = static_cast<double>(box.size().x), depth = static_cast<double>(box.size().y);
   const double side = std::max({std::sqrt(width * depth / count), width / 1000, depth / 1000, 1e-6});
@@ -18,7 +104,6 @@ std::vector<Patch> cut(std::span<const Vec3f> positions, std::span<const Triangl
              rows = static_cast<std::size_t>(depth / side + 2);
   std::vector<Patch> patches(columns * rows);
   for (const Triangle& t : triangles) {
-    // A corner places the triangle as well as its middle does.
     const Vec3f p = positions[t[0]];
     const auto column = static_cast<std::size_t>(static_cast<double>(p.x - box.lo.x) / side + shift);
     const auto row = static_cast<std::size_t>(static_cast<double>(p.y - box.lo.y) / side + shift);
@@ -28,29 +113,26 @@ std::vector<Patch> cut(std::span<const Vec3f> positions, std::span<const Triangl
   return patches;
 }
 
-void collapse(std::span<const Vec3f> positions, Patch& patch, double error) {
-  std::vector<std::uint32_t> used;
-  used.reserve(3 * patch.given.size());
-  for (const Triangle& t : patch.given) used.insert(used.end(), t.begin(), t.end());
-  std::vector<std::uint32_t> indices = used;
-  std::sort(used.begin(), used.end());
-  used.erase(std::unique(used.begin(), used.end()), used.end());
-  std::vector<Vec3f> local(used.size());
-  for (std::size_t v = 0; v < used.size(); ++v) local[v] = positions[used[v]] - positions[used[0]];
-  for (auto& i : indices)
-    i = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), i) - used.begin());
-  const float scale = meshopt_simplifyScale(&local[0].x, local.size(), sizeof(Vec3f));
-  std::vector<std::uint32_t> out(indices.size());
+void collapse(std::span<const Vec3f> positions, const Ownership& ownership, Patch& patch, double error) {
+  LocalMesh local = local_mesh(positions, patch.given);
+  const float scale = meshopt_simplifyScale(&local.positions[0].x, local.positions.size(), sizeof(Vec3f));
+  std::vector<Triangle> out(local.triangles.size());
   const std::size_t left =
-      scale > 0 ? meshopt_simplify(out.data(), indices.data(), indices.size(), &local[0].x, local.size(),
-                                   sizeof(Vec3f), 0, static_cast<float>(error) / scale,
-                                   meshopt_SimplifyLockBorder, nullptr)
+      scale > 0 ? meshopt_simplify(&out[0][0], &local.triangles[0][0], 3 * local.triangles.size(),
+                                   &local.positions[0].x, local.positions.size(), sizeof(Vec3f), 0,
+                                   static_cast<float>(error) / scale, meshopt_SimplifyLockBorder, nullptr)
                 : 0;
-  patch.result.clear();
-  for (std::size_t i = 0; i < left; i += 3) patch.result.push_back({out[i], out[i + 1], out[i + 2]});
-  flip_flat_triangles(local, patch.result);
-  for (Triangle& t : patch.result)
-    for (auto& v : t) v = used[v];
+  out.resize(left / 3);
+  flip_flat_triangles(local.positions, out);
+  remove_pillows(out);
+  const std::vector<bool> broken = broken_vertices(local.positions, out);
+  patch.broken = false;
+  for (std::size_t v = 0; v < broken.size(); ++v)
+    if (broken[v] && !ownership.shared(local.globals[v])) patch.broken = true;
+  for (Triangle& t : out)
+    for (auto& v : t) v = local.globals[v];
+  patch.result = std::move(out);
+  patch.done = true;
 }
 
 std::vector<bool> broken_vertices(std::span<const Vec3f> positions, std::span<const Triangle> triangles) {
@@ -65,13 +147,28 @@ std::vector<bool> broken_vertices(std::span<const Vec3f> positions, std::span<co
                 [&](std::uint32_t a, std::uint32_t b, std::uint32_t forward, std::uint32_t backward) {
                   if (forward > 1 || backward > 1) broken[a] = broken[b] = true;
                 });
-  // With clean edges a vertex is clean when its triangles hang together; two equal triangles share three
-  // edges.
+  // Two triangles back to back share three clean edges.
+  for (std::size_t t : repeated_triangles(triangles))
+    for (auto v : triangles[t]) broken[v] = true;
   const Incidence around = incidence(triangles, positions.size());
   FanCounter fans;
   for (std::uint32_t v = 0; v < positions.size(); ++v)
     if (!around.at(v).empty() && fans.count(triangles, around.at(v), v) > 1) broken[v] = true;
   return broken;
+}
+
+std::vector<bool> broken_shared_vertices(std::span<const Vec3f> positions, const Ownership& ownership,
+                                         std::span<const Patch> patches) {
+  std::vector<Triangle> around;
+  for (const Patch& patch : patches)
+    for (const Triangle& t : patch.result)
+      if (ownership.shared(t[0]) || ownership.shared(t[1]) || ownership.shared(t[2])) around.push_back(t);
+  const LocalMesh local = local_mesh(positions, around);
+  const std::vector<bool> broken = broken_vertices(local.positions, local.triangles);
+  std::vector<bool> out(positions.size(), false);
+  for (std::size_t v = 0; v < broken.size(); ++v)
+    if (broken[v] && ownership.shared(local.globals[v])) out[local.globals[v]] = true;
+  return out;
 }
 
 }  // namespace tafoni::mesh::impl

@@ -73,6 +73,16 @@ TEST(Simplify, ReducesASphereWithinTheError) {
   }
 }
 
+TEST(Simplify, PebblesVanishWithoutATrace) {
+  const Mesh mesh = surface(60, 60, 40, [](Vec3d p) {
+    const Vec3d q{std::remainder(p.x, 9.7), std::remainder(p.y, 9.3), p.z - 25};
+    return std::max(10.3 - p.z, 1.4 - length(q));
+  });
+  const Mesh small = simplify(mesh, {.error = 4, .normals = {}});
+  EXPECT_THAT(defects(validate(small)), IsEmpty());
+  EXPECT_LT(metrics(small).components, metrics(mesh).components);
+}
+
 TEST(Simplify, FlatFacesLoseNoArea) {
   // A block with walls exactly on lattice planes: its collinear vertices tempt collapses into empty
   // triangles.
