@@ -27,7 +27,7 @@ struct Params {
   double sea_level = 0;
   double range = 8;
   std::int64_t steps = 3;
-  double retreat = 5;
+  double retreat = 6;
   double reach = 40;
   double weathering = 1.6;
   double radius = 5;
@@ -36,7 +36,7 @@ struct Params {
   double threshold = 0.06;
   double accessibility = 0.5;
   double accessibility_radius = 20;
-  double slope = 35;
+  double slope = 28;
   double joints = 0.7;
   double joint_spacing = 22;
   double roughness = 0.35;
@@ -100,9 +100,9 @@ class SeaCliff {
     if (band().empty()) return report(std::move(result));
     open_ = exposure();
     water_ = water_distance();
-    if (p_.weathering > 0) add(weather(), result);
     for (std::int64_t step = 0; step < p_.steps; ++step) add(notch(step), result);
     if (p_.cave_spacing > 0) add(caves(), result);
+    if (p_.weathering > 0) add(weather(), result);
     return report(std::move(result));
   }
 
@@ -183,7 +183,7 @@ class SeaCliff {
   double steepness(Vec3f normal) const {
     const double limit = std::cos(p_.slope * 3.14159265358979323846 / 180);
     const double nz = static_cast<double>(normal.z);
-    return smoothstep(0, 0.35, limit - nz) * (nz < 0 ? 1 + 0.65 * nz : 1);
+    return smoothstep(0, 0.22, limit - nz) * (nz < 0 ? 1 + 0.65 * nz : 1);
   }
 
   /// How much of the sea reaches a place, whatever its elevation; none on platforms.
@@ -244,7 +244,7 @@ class SeaCliff {
   /// Frost and rain on the faces above the waves: soft beds recede, hard ones stand out.
   field::NodePtr weather() {
     const field::CompiledField field = field::compile(tree_);
-    const double radius = 0.6 * p_.radius, spacing = std::min(0.6 * p_.spacing, 0.5 * radius);
+    const double radius = 0.4 * p_.radius, spacing = 0.5 * radius;
     Box3d box = ground_.box();
     box.lo.z = std::max(box.lo.z, sea_z_ - 0.5 * p_.range);
     const auto attacks =
@@ -283,21 +283,51 @@ class SeaCliff {
     return lift;
   }
 
+  /// Spares necks: cut from both sides a stack would come to float. The factor is 0 where the rock inward of
+  /// a place is hardly thicker than a primitive's radius, 1 from three times that on.
+  std::vector<double> strength(const field::CompiledField& field, const std::vector<Attack>& attacks,
+                               double radius) const {
+    constexpr std::size_t probes = 12;
+    std::vector<Vec3d> points;
+    for (const Attack& a : attacks)
+      for (std::size_t k = 1; k <= probes; ++k)
+        points.push_back(a.at.position -
+                         horizontal(a.at.normal) * (3 * radius * static_cast<double>(k) / probes));
+    std::vector<float> values(points.size());
+    field.values(points, values);
+    std::vector<double> factor(attacks.size(), 1.0);
+    for (std::size_t i = 0; i < attacks.size(); ++i) {
+      std::size_t k = 0;
+      // The first probe may still lie in the air before a rough face.
+      while (k < probes && (k == 0 || values[i * probes + k] > 0)) ++k;
+      if (k < probes) factor[i] = smoothstep(0.9, 3, 3 * static_cast<double>(k) / probes);
+    }
+    return factor;
+  }
+
+  static Vec3d horizontal(Vec3f normal) {
+    return normalized(Vec3d{to_double(normal).x, to_double(normal).y, 0});
+  }
+
   field::NodePtr notch(std::int64_t step) {
     const field::CompiledField field = field::compile(tree_);
     const double scale = scale_of_step(step);
     const double radius = p_.radius * scale, spacing = std::min(p_.spacing * scale, 0.75 * radius);
     const auto attacks = attacked_by_sea(field, spacing, static_cast<std::uint64_t>(step));
     const auto lift = lifts(field, attacks, radius);
+    const auto sound = strength(field, attacks, p_.radius);
     const double energy = share(p_.retreat, radius, spacing);
     field::CloudBuilder cloud{field::CloudSettings{}};
     Random random(ground_.site().seed, 0x100 + static_cast<std::uint64_t>(step));
     for (std::size_t i = 0; i < attacks.size(); ++i) {
       const Attack& a = attacks[i];
       const double r = radius * random.uniform(0.7, 1.3);
-      const Vec3d center = a.at.position + Vec3d{0, 0, lift[i]};
-      if (!ground_.usable(center)) continue;
-      add_point(cloud, center, r, -energy * a.effect * uneven(a.at.position, radius, 0x6e));
+      // Waves drive inward: the sea undercuts even a face that leans back.
+      const double effect = a.effect * sound[i];
+      const Vec3d center =
+          a.at.position + Vec3d{0, 0, lift[i]} - horizontal(a.at.normal) * (0.5 * r * std::sqrt(effect));
+      if (effect < p_.threshold || !ground_.usable(center)) continue;
+      add_point(cloud, center, r, -energy * effect * uneven(a.at.position, radius, 0x6e));
       strongest_ = std::max(strongest_, a.effect);
     }
     primitives_ += static_cast<std::int64_t>(cloud.size());

@@ -44,22 +44,23 @@ class Walk {
     const double far_side = through();
     if (far_side > 0) limit_ = far_side + mouth_;
     double length_of = 0;
-    bool was_inside = false, arch = false;
+    bool was_inside = false, was_roofed = false, arch = false;
     while (length_of < limit_) {
       if (far_side <= 0) steer();
       const Vec3d next = at_ + heading_ * step_ + Vec3d{0, 0, 0.06 * step_};
-      if (!ground_.usable(next) || !roofed(next)) break;
+      if (!ground_.usable(next)) break;
+      const bool inside = field_.value(next) > 0, under = roofed(next);
+      arch = was_inside && !inside;
+      // Where the face leans back the cave begins as a cleft; once under a roof it stays there.
+      if (!arch && !under && (was_roofed || length_of > 4 * mouth_)) break;
       at_ = next;
       length_of += step_;
       path.push_back(at_);
-      const bool inside = field_.value(at_) > 0;
-      if (was_inside && !inside) {
-        arch = true;
-        break;
-      }
+      if (arch) break;
       was_inside |= inside;
+      was_roofed |= under;
     }
-    if (!was_inside || length_of < 2 * step_) return;
+    if (!was_inside || !was_roofed || length_of < 2 * step_) return;
     emit(path, arch, caves);
     caves.mouths.push_back(path.front());
     caves.arches += arch;
@@ -104,10 +105,7 @@ class Walk {
   }
 
   /// Rock above that bears: no slits in the clifftop.
-  bool roofed(Vec3d p) const {
-    const double cover = 2.2 * mouth_ + 2;
-    return ground_.height(p.x, p.y) < p.z || ground_.height(p.x, p.y) > p.z + cover;
-  }
+  bool roofed(Vec3d p) const { return ground_.height(p.x, p.y) > p.z + 2 * mouth_ + 1; }
 
   /// A lower tube and, narrower, the fissure above it, both dying away inward.
   void emit(const std::vector<Vec3d>& path, bool arch, SeaCaves& caves) {

@@ -1,0 +1,109 @@
+#include <gtest/gtest.h>
+
+#include "tafoni/landforms/impl/percolation.h"
+#include "tafoni/landforms/test/site.h"
+
+namespace tafoni::landforms {
+namespace {
+
+using test::Coast;
+
+Result karst(const Site& site, Values values = {}) {
+  return find_landform("karst").generate(site, values, silent());
+}
+
+/// Beds of soft and hard rock, 6 m each.
+double beds(Vec3d p) {
+  return std::fmod(p.z + 600, 12) < 6 ? 0.1 : 0.7;
+}
+
+TEST(Percolation, KeepsItsRules) {
+  const Coast coast(beds);
+  const auto field = field::compile(coast.site.terrain);
+  const impl::Ground ground(coast.site);
+  impl::PercolationSettings s;
+  s.spacing = 4;
+  s.cover = 3;
+  s.depth = 20;
+  s.threshold = 0.5;
+  s.points_per_seed = 200;
+  s.seed = 1;
+  const std::vector<Vec3d> seeds = {{-20, 20, 30}, {20, 20, 30}};
+  const auto made = impl::percolate(field, ground, seeds, s, silent());
+  ASSERT_GT(made.nodes.size(), 30u);
+  int soft = 0;
+  for (std::size_t i = 0; i < made.nodes.size(); ++i) {
+    const impl::CaveNode& node = made.nodes[i];
+    for (std::size_t k = 0; k < i; ++k)
+      ASSERT_GE(length(node.position - made.nodes[k].position), s.spacing * 0.999999);
+    if (node.parent < 0) continue;
+    ASSERT_LT(node.parent, static_cast<std::int32_t>(i));
+    EXPECT_LE(node.position.z, made.nodes[static_cast<std::size_t>(node.parent)].position.z + 1e-9);
+    EXPECT_LT(node.resistance, s.threshold);
+    EXPECT_GE(node.position.z, 30 - s.depth - 1e-9);
+    EXPECT_GT(field.value(node.position + Vec3d{0, 0, s.cover}), 0);
+    soft += node.resistance < 0.3;
+  }
+  EXPECT_GT(soft, 0);
+  s.threshold = 0;
+  EXPECT_EQ(impl::percolate(field, ground, seeds, s, silent()).nodes.size(), 2u)
+      << "only the seeds themselves";
+}
+
+TEST(Karst, NetworksAreOpenFromEndToEnd) {
+  const Coast coast(beds);
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    Coast other(beds);
+    other.site.seed = seed;
+    const Result result = karst(other.site);
+    EXPECT_GT(test::fact<std::int64_t>(result, "networks"), 0);
+    EXPECT_EQ(test::fact<std::int64_t>(result, "networks"),
+              test::fact<std::int64_t>(result, "connected_networks"));
+    EXPECT_GT(test::fact<double>(result, "passage_length_m"), 50);
+  }
+}
+
+TEST(Karst, EntrancesOpenToTheSky) {
+  const Coast coast(beds);
+  const Result result = karst(coast.site);
+  const auto field = test::carved(coast.site, result);
+  const auto at = test::fact<std::vector<double>>(result, "entrance_positions");
+  ASSERT_EQ(at.size(), 3 * static_cast<std::size_t>(test::fact<std::int64_t>(result, "entrances")));
+  ASSERT_FALSE(at.empty());
+  for (std::size_t i = 0; i < at.size(); i += 3)
+    EXPECT_LT(field.value(Vec3d{at[i], at[i + 1], at[i + 2]} - coast.site.origin), 0);
+}
+
+TEST(Karst, PrefersSoftRock) {
+  const auto rho = [](Vec3d p) { return p.x < 0 ? 0.1 : 0.6; };
+  Coast coast(rho);
+  coast.site.points = {{0, 27, 30}};
+  const Result result =
+      karst(coast.site, {{"sinks", std::int64_t{0}}, {"faces", std::int64_t{0}}, {"passage", 200.0}});
+  const auto before = field::compile(coast.site.terrain), after = test::carved(coast.site, result);
+  int soft = 0, hard = 0;
+  for (const Vec3d p : test::places({{-55, 8, -10}, {55, 44, 24}}, 60000, 1))
+    if (before.value(p) > 0 && after.value(p) <= 0) ++(p.x < 0 ? soft : hard);
+  EXPECT_GT(soft, 3 * hard);
+  EXPECT_GT(soft, 300);
+}
+
+TEST(Karst, StartsAtTheUsersPoints) {
+  Coast coast([](Vec3d) { return 0.2; });
+  coast.site.points = {{10, 25, 30}};
+  const Result result = karst(coast.site, {{"sinks", std::int64_t{0}}, {"faces", std::int64_t{0}}});
+  ASSERT_EQ(result.nodes.size(), 1u);
+  const auto after = test::carved(coast.site, result);
+  EXPECT_LT(after.value({10, 25, 28}), 0);
+  EXPECT_TRUE(
+      karst(Coast([](Vec3d) { return 0.2; }).site, {{"sinks", std::int64_t{0}}, {"faces", std::int64_t{0}}})
+          .nodes.empty());
+}
+
+TEST(Karst, HardRockHasNoCaves) {
+  const Coast coast([](Vec3d) { return 0.9; });
+  EXPECT_TRUE(karst(coast.site).nodes.empty());
+}
+
+}  // namespace
+}  // namespace tafoni::landforms

@@ -1,0 +1,148 @@
+// What every landform must keep to, asked of each in the registry.
+
+#include "tafoni/landforms/landform.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+#include "tafoni/landforms/test/site.h"
+
+namespace tafoni::landforms {
+namespace {
+
+using test::Coast;
+
+class EveryLandform : public testing::TestWithParam<const LandformType*> {
+ protected:
+  Result run(const Site& site, Progress& progress = silent()) {
+    return GetParam()->generate(site, {}, progress);
+  }
+  static constexpr Box3d around{{-60, -45, -15}, {60, 45, 45}};
+};
+
+TEST_P(EveryLandform, IsDocumented) {
+  const LandformType& type = *GetParam();
+  EXPECT_FALSE(type.doc.empty());
+  EXPECT_FALSE(type.source.empty());
+  ASSERT_TRUE(type.generate);
+  EXPECT_EQ(&find_landform(type.name), &type);
+  for (const ParamInfo& info : type.params) {
+    EXPECT_FALSE(info.doc.empty()) << info.name;
+    EXPECT_NE(info.doc.back(), '.') << info.name;
+    EXPECT_NO_THROW(checked(info, info.init, type.name)) << info.name << " has a default out of its range";
+    if (info.kind == ValueKind::real || info.kind == ValueKind::integer) {
+      EXPECT_LT(info.min, info.max) << info.name;
+    }
+  }
+}
+
+TEST_P(EveryLandform, CarvesAndTellsHowMuch) {
+  const Coast coast;
+  const Result result = run(coast.site);
+  ASSERT_FALSE(result.nodes.empty());
+  std::uint64_t primitives = 0;
+  for (const auto& node : result.nodes) primitives += field::stats(node).primitives;
+  EXPECT_EQ(test::fact<std::int64_t>(result, "primitives"), static_cast<std::int64_t>(primitives));
+}
+
+TEST_P(EveryLandform, SameSeedSameBytesWithAnyNumberOfThreads) {
+  const Coast coast;
+  const auto points = test::places(around, 20000, 2);
+  set_thread_count(1);
+  const Result one = run(coast.site);
+  const auto a = test::values(test::carved(coast.site, one), points);
+  set_thread_count(2);
+  const Result two = run(coast.site);
+  const auto b = test::values(test::carved(coast.site, two), points);
+  set_thread_count(0);
+  EXPECT_EQ(a, b);
+  EXPECT_EQ(one.report, two.report);
+  Coast other;
+  other.site.seed = 6;
+  EXPECT_NE(a, test::values(test::carved(other.site, run(other.site)), points));
+}
+
+TEST_P(EveryLandform, StaysInItsRegion) {
+  Coast coast;
+  Region region;
+  const Box3d box{{-25, -20, -10}, {10, 20, 24}};
+  region.limit_box(box);
+  coast.site.region = &region;
+  const Result result = run(coast.site);
+  const auto before = field::compile(coast.site.terrain), after = test::carved(coast.site, result);
+  // No primitive's centre lies outside, and none reaches farther than this.
+  const Box3d reached = box.grown(12);
+  int changed = 0;
+  for (const Vec3d p : test::places(around, 60000, 3)) {
+    if (!reached.contains(p)) {
+      ASSERT_EQ(before.value(p), after.value(p));
+    }
+    changed += before.value(p) != after.value(p);
+  }
+  EXPECT_GT(changed, 0);
+}
+
+TEST_P(EveryLandform, DoesNothingWhereItMayNotAct) {
+  Coast coast;
+  Region region;
+  region.limit_polygon({{}});
+  coast.site.region = &region;
+  EXPECT_TRUE(run(coast.site).nodes.empty());
+  Region elsewhere;
+  elsewhere.limit_box({{1e5, 1e5, 0}, {1e5 + 10, 1e5 + 10, 10}});
+  coast.site.region = &elsewhere;
+  EXPECT_TRUE(run(coast.site).nodes.empty());
+}
+
+TEST_P(EveryLandform, KeepsOffMissingData) {
+  Coast coast;
+  raster::Grid<std::uint8_t> valid(Coast::width, Coast::height, 1);
+  for (int row = 0; row < Coast::height; ++row)
+    for (int col = 0; col < 60; ++col) valid.at(col, row) = 0;
+  coast.site.valid = &valid;
+  const auto before = field::compile(coast.site.terrain), after = test::carved(coast.site, run(coast.site));
+  for (const Vec3d p : test::places({{-60, -45, -15}, {-12, 45, 45}}, 20000, 4))
+    ASSERT_EQ(before.value(p), after.value(p));
+}
+
+TEST_P(EveryLandform, CanBeCancelled) {
+  const Coast coast;
+  Progress progress;
+  progress.cancel();
+  try {
+    run(coast.site, progress);
+    FAIL() << "went on";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::cancelled);
+  }
+}
+
+TEST_P(EveryLandform, WorksWithoutGeology) {
+  Coast coast;
+  coast.site.geology = nullptr;
+  EXPECT_NO_THROW(run(coast.site));
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, EveryLandform,
+                         testing::ValuesIn(all_landforms().begin(), all_landforms().end()),
+                         [](const auto& test_case) {
+                           std::string name = test_case.param->name;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+TEST(Landform, AnUnknownNameGetsTheNearestKnown) {
+  try {
+    find_landform("sea-clif");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::usage);
+    EXPECT_THAT(error.what(), testing::HasSubstr("\"sea-cliff\""));
+  }
+  EXPECT_THROW(find_landform("zzzzzzzzzzzz"), Error);
+}
+
+}  // namespace
+}  // namespace tafoni::landforms
