@@ -311,6 +311,11 @@ class Reference(Case):
         self.assertIn("karst (off)", self.passes("info", "s.toml"))
         self.assertEqual(json.loads(self.passes("info", "s.toml", "--json"))["source"]["width"], 40)
 
+    def test_every_example_scene_builds(self):
+        for example in (Path(os.environ["TAFONI_SOURCE_DIR"]) / "examples").glob("*.toml"):
+            self.passes("build", example, "--voxel", "4", "-o", "a.glb")
+            self.passes("validate", "a.glb", "--closed")
+
     def test_generate_is_reproducible(self):
         for name in ("a.tif", "b.tif"):
             self.passes("generate", "coast", "-o", name, "--seed", "3", "--set", "width=64", "--set", "coast.height=48")

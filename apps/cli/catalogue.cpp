@@ -79,6 +79,15 @@ std::string init_text(const ParamInfo& info) {
   return init == "\"\"" || init == "[]" ? "none" : init;
 }
 
+Topic common_options() {
+  CommonOptions options;
+  Args args("common", "");
+  options.declare(args);
+  return {"options",
+          "What every command takes",
+          {{"common options", "On any command", {}, {}, {}, args.entries()}}};
+}
+
 /// Cells of a Markdown table must not hold a bar.
 std::string cell(std::string text) {
   for (std::size_t i = 0; (i = text.find('|', i)) != std::string::npos; i += 2) text.insert(i, "\\");
@@ -115,6 +124,7 @@ void markdown(std::string& out, const CatalogueEntry& entry, bool examples) {
 
 std::vector<Topic> catalogue() {
   return {commands(),
+          common_options(),
           sections(),
           topic("landforms", "Layers that shape the terrain", landforms::all_landforms()),
           topic("geology", "Kinds of rock", geology::all_geologies()),

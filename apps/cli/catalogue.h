@@ -23,7 +23,7 @@ struct Topic {
   std::vector<CatalogueEntry> entries;
 };
 
-/// Landforms, primitives, operators, formats, geology, generators, scene sections, commands.
+/// Commands and their options, scene sections, landforms and whatever else has a registry.
 std::vector<Topic> catalogue();
 
 /// The reference page.

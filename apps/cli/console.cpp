@@ -26,6 +26,14 @@ void print_tagged(std::string_view colour, std::string_view tag, std::string_vie
 
 }  // namespace
 
+void CommonOptions::declare(Args& args) {
+  args.group("Common options");
+  args.flag("--json", json, "Print results as JSON");
+  args.flag("-q,--quiet", quiet, "No summary, warnings or progress; errors only");
+  args.flag("--progress", progress, "Show progress even when stderr is no terminal");
+  args.integer("--threads", "N", threads, 0, 4096, "Threads to use; 0 means all cores");
+}
+
 Console::Console(const CommonOptions& options)
     : options_(options),
       terminal_(isatty(STDERR_FILENO) != 0),

@@ -5,9 +5,12 @@
 #include <chrono>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "args.h"
 
 #include "tafoni/core/progress.h"
 
@@ -16,6 +19,9 @@ namespace tafoni::cli {
 /// Options that every subcommand has.
 struct CommonOptions {
   bool json = false, quiet = false, progress = false;
+  std::optional<std::int64_t> threads;
+
+  void declare(Args& args);
 };
 
 class Console : public Progress {

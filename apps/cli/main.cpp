@@ -3,7 +3,6 @@
 #include <exception>
 #include <memory>
 #include <new>
-#include <optional>
 
 #include "args.h"
 #include "command.h"
@@ -52,17 +51,12 @@ struct Entry {
 
 int run(int argc, const char* const* argv) {
   CommonOptions common;
-  std::optional<std::int64_t> threads;
   std::vector<Entry> entries;
   std::vector<Args*> parsers;
   for (const Command* command : all_commands()) {
     auto args = std::make_unique<Args>(command->name, command->doc);
     auto body = command->setup(*args);
-    args->group("Common options");
-    args->flag("--json", common.json, "Print results as JSON");
-    args->flag("-q,--quiet", common.quiet, "No summary, warnings or progress; errors only");
-    args->flag("--progress", common.progress, "Show progress even when stderr is no terminal");
-    args->integer("--threads", "N", threads, 0, 4096, "Threads to use; 0 means all cores");
+    common.declare(*args);
     if (!command->examples.empty()) args->footer("Examples:\n" + command->examples);
     parsers.push_back(args.get());
     entries.push_back({std::move(args), std::move(body)});
@@ -74,7 +68,7 @@ int run(int argc, const char* const* argv) {
     console.flush();
     return 0;
   }
-  if (threads) set_thread_count(static_cast<int>(*threads));
+  if (common.threads) set_thread_count(static_cast<int>(*common.threads));
   const Interruptible guard(console);
   const int code = entries[static_cast<std::size_t>(parsed.command)].run(console);
   console.flush();
