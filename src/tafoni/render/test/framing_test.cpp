@@ -96,6 +96,21 @@ TEST(FrameInside, KeepsTheGivenEyeAndRefusesOpenGround) {
   EXPECT_THROW(Scene(terrain(30, 1)).frame_inside({}), Error);
 }
 
+TEST(Frame, WhatLiesBelowTheSeaNeedsNoRoom) {
+  mesh::Mesh mesh;
+  add_box(mesh, {-10, -10, 1}, {10, 10, 20});
+  RenderSettings settings;
+  settings.sea_level = 0;
+  settings.azimuth = 1;
+  settings.elevation = 0.4;
+  const Camera island = Scene(mesh).frame(settings);
+  add_box(mesh, {-300, -300, -40}, {300, 300, -30});
+  const Camera with_floor = Scene(mesh).frame(settings);
+  EXPECT_NEAR(length(island.eye - with_floor.eye), 0, 1e-6);
+  settings.sea_level = {};
+  EXPECT_GT(length(Scene(mesh).frame(settings).eye), 3 * length(island.eye));
+}
+
 TEST(Frame, RefusesAnEmptyMesh) {
   EXPECT_THROW(Scene(mesh::Mesh{}), Error);
 }

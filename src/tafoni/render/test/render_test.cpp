@@ -129,6 +129,31 @@ TEST(Render, WaterTintsButShowsWhatStandsInIt) {
   EXPECT_NEAR(dry_floor[0], dry_floor[2], 40);
 }
 
+TEST(Render, NormalsThatPointIntoTheRockLeaveNoBlackHoles) {
+  mesh::Mesh mesh;
+  add_flat_box(mesh, {-2, -3, 0}, {30, 3, 6}, grey, true);
+  const Camera camera{{0, 0, 2.5}, {10, 0, 2.5}, {0, 0, 1}, 1.0};
+  RenderSettings settings = small();
+  settings.inside = true;
+  const raster::Image sound = Scene(mesh).render(camera, settings);
+  for (std::size_t i = 0; i < mesh.normals.size(); i += 3) mesh.normals[i] = -mesh.normals[i];
+  const raster::Image crooked = Scene(mesh).render(camera, settings);
+  for (std::size_t i = 0; i < sound.size(); ++i)
+    ASSERT_GT(brightness(crooked.values()[i]), 0.25 * brightness(sound.values()[i])) << i;
+}
+
+TEST(Render, ABlockThrowsAShadowOnTheFloorItStandsOn) {
+  mesh::Mesh mesh;
+  add_flat_box(mesh, {-10, -10, 0}, {10, 10, 10}, grey);
+  const Camera camera{{0, -60, 50}, {0, 0, 0}};
+  RenderSettings settings = small();
+  settings.sun_azimuth = 1.5 * M_PI;
+  const raster::Image image = Scene(mesh).render(camera, settings);
+  const double dark = brightness(pixel_at(image, camera, {13, 0, 0.0}));
+  const double lit = brightness(pixel_at(image, camera, {-13, 0, 0.0}));
+  EXPECT_LT(dark, 0.9 * lit);
+}
+
 TEST(Render, LampFallsOffWithDistanceAndLeavesNoWallBlack) {
   mesh::Mesh mesh;
   add_flat_box(mesh, {-2, -3, 0}, {60, 3, 6}, grey, true);
