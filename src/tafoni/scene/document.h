@@ -17,7 +17,7 @@ struct SceneSettings {
   double voxel = 0;  ///< metres; 0: chosen from the terrain's pixel size and extent
   std::string boundary = "solid";
   double min_fragment = 1000;  ///< m³; smaller floating pieces are removed
-  double simplify = 0;        ///< metres; 0: keep every triangle
+  double simplify = 0;         ///< metres; 0: keep every triangle
 };
 const std::vector<ParamInfo>& scene_params();
 
