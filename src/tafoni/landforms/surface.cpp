@@ -88,31 +88,35 @@ class ColumnSampler {
 
   /// Newton steps along the gradient; keeps what arrives near its own cell.
   void project() {
-    const std::size_t n = points_.size();
     start_ = points_;
-    values_.resize(n);
-    gradients_.resize(n);
-    for (int step = 0; step < newton_steps; ++step) {
+    for (int step = 0; !points_.empty(); ++step) {
+      values_.resize(points_.size());
+      gradients_.resize(points_.size());
       field_.gradients(points_, values_, gradients_);
-      for (std::size_t i = 0; i < n; ++i) {
+      std::size_t left = 0;
+      for (std::size_t i = 0; i < points_.size(); ++i) {
         const Vec3d g = to_double(gradients_[i]);
-        const double g2 = dot(g, g);
-        if (g2 < 1e-12) continue;
-        Vec3d move = g * (-static_cast<double>(values_[i]) / g2);
-        const double length_of = length(move);
-        if (length_of > voxel_) move = move * (voxel_ / length_of);
-        points_[i] += move;
+        const double f = static_cast<double>(values_[i]), slope = length(g);
+        if (std::abs(f) < 0.01 * settings_.spacing * slope) {
+          arrive(points_[i], g * (-1 / slope), start_[i], keys_[i]);
+          continue;
+        }
+        if (step == newton_steps || slope < 1e-6) continue;
+        Vec3d move = g * (-f / (slope * slope));
+        if (length(move) > voxel_) move = normalized(move) * voxel_;
+        points_[left] = points_[i] + move;
+        start_[left] = start_[i];
+        keys_[left++] = keys_[i];
       }
+      points_.resize(left);
     }
-    field_.gradients(points_, values_, gradients_);
-    for (std::size_t i = 0; i < n; ++i) {
-      const double g = length(to_double(gradients_[i]));
-      if (!(std::abs(static_cast<double>(values_[i])) < 0.01 * settings_.spacing * g)) continue;
-      const Vec3d moved = points_[i] - start_[i];
-      if (dot(moved, moved) > 4 * voxel_ * voxel_ || !settings_.box.contains(points_[i])) continue;
-      const SurfacePoint point{points_[i], gradients_[i] * static_cast<float>(-1 / g)};
-      if (!settings_.accept || settings_.accept(point)) result_.push_back({point, keys_[i]});
-    }
+  }
+
+  void arrive(Vec3d p, Vec3d normal, Vec3d start, std::uint64_t key) {
+    const Vec3d moved = p - start;
+    if (dot(moved, moved) > 4 * voxel_ * voxel_ || !settings_.box.contains(p)) return;
+    const SurfacePoint point{p, to_float(normal)};
+    if (!settings_.accept || settings_.accept(point)) result_.push_back({point, key});
   }
 
   const field::CompiledField& field_;

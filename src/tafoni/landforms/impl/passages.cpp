@@ -63,8 +63,17 @@ class Shaper {
       most[i] = parent < 0 ? beyond_[i] : most[index(parent)];
       const double stress = 0.3 + 0.7 * std::sqrt(beyond_[i] / most[i]);
       effect_[i] = erosion_effect(nodes_[i].resistance, stress, s_.beta);
-      radius_[i] = s_.radius * std::clamp(0.6 + 0.9 * effect_[i], 0.6, 1.5);
+      radius_[i] = s_.radius * std::clamp(0.6 + 0.9 * effect_[i], 0.6, 1.5) * (chamber(i) ? 1.7 : 1.0);
     }
+  }
+
+  /// Where ways meet, and here and there besides, a passage widens to a chamber if the rock above bears it.
+  bool chamber(std::size_t i) const {
+    if (nodes_[i].parent < 0) return false;
+    if (children_[i].size() < 2 && Random(s_.seed, i).uniform() > 0.15) return false;
+    for (const Vec3d d : {Vec3d{0, 0, 6}, {5, 0, 0}, {-5, 0, 0}, {0, 5, 0}, {0, -5, 0}})
+      if (field_.value(nodes_[i].position + d * s_.radius) <= 0) return false;
+    return true;
   }
 
   void drop_dead_ends() {
@@ -209,21 +218,25 @@ class Carver {
   Carver(field::CloudBuilder& cloud, const Ground& ground, const PassageSettings& s, Random random)
       : cloud_(cloud), ground_(ground), s_(s), random_(random) {}
 
+  static constexpr int pockets = 4;
+
   void carve(Vec3d p, Vec3d ahead, double radius, double step) {
     const Vec3d world = p + ground_.site().origin;
     const double uneven =
         2 * static_cast<double>(fbm(world * (0.35 / radius), 3, hash_combine(s_.seed, 11))) - 1;
-    const double r = radius * (1 + 0.7 * s_.roughness * uneven);
+    const double r = radius * std::clamp(1 + 1.3 * s_.roughness * uneven, 0.6, 1.6);
     const double reach = 1.7 * r;
     const double energy = tube_energy(ground_.site().amplitude, r, reach, step);
     const double wide =
         std::clamp(3.2 * static_cast<double>(fbm(world * (0.2 / radius), 2, hash_combine(s_.seed, 12))) - 0.9,
                    0.15, 1.1);
     const Vec3d side = normalized(Vec3d{-ahead.y, ahead.x, 0}) * (wide * r);
+    // An arched roof over a broad floor.
+    const Vec3d low{0, 0, -0.3 * r * wide};
     add(p, reach, 0.75 * energy);
-    add(p + side, reach * 0.85, 0.45 * energy);
-    add(p - side, reach * 0.85, 0.45 * energy);
-    pocket(p, r);
+    add(p + side + low, reach * 0.85, 0.45 * energy);
+    add(p - side + low, reach * 0.85, 0.45 * energy);
+    for (int i = 0; i < pockets; ++i) pocket(p, r, 1 + 0.5 * wide);
   }
 
  private:
@@ -231,12 +244,15 @@ class Carver {
     if (ground_.usable(p)) add_point(cloud_, p, reach, -energy);
   }
 
-  void pocket(Vec3d p, double r) {
+  /// Walls recede where the bed is soft and stand out as ledges where it is hard.
+  void pocket(Vec3d p, double r, double wide) {
     const Vec3d d =
-        normalized(Vec3d{random_.uniform(-1, 1), random_.uniform(-1, 1), random_.uniform(-0.6, 0.9)});
-    const Vec3d at = p + d * (r * random_.uniform(0.8, 1.2));
-    const double soft = 1 - ground_.resistance(at);
-    add(at, r * random_.uniform(0.45, 0.75), s_.roughness * ground_.site().amplitude * 1.2 * soft * soft);
+        normalized(Vec3d{random_.uniform(-1, 1), random_.uniform(-1, 1), random_.uniform(-0.5, 0.8)});
+    const double out = r * random_.uniform(0.7, 1.0);
+    const Vec3d at = p + Vec3d{d.x * wide, d.y * wide, d.z} * out;
+    const double soft = std::clamp(1.15 - 1.5 * ground_.resistance(at), 0.0, 1.0);
+    if (soft < 0.1) return;
+    add(at, r * random_.uniform(0.3, 0.65), 4.5 * s_.roughness * ground_.site().amplitude * soft);
   }
 
   field::CloudBuilder& cloud_;
