@@ -18,7 +18,7 @@ namespace HWY_NAMESPACE {
 struct NoiseCell {
   Ints x, y, z;
 };
-HWY_INLINE NoiseCell noise_cell(Ints mx, Ints my, Ints mz) {
+TAFONI_LANES_INLINE NoiseCell noise_cell(Ints mx, Ints my, Ints mz) {
   const Ints sum = mx + my + mz;
   return {Ints(3) * mx + sum, Ints(3) * my + sum, Ints(3) * mz + sum};
 }
@@ -27,7 +27,8 @@ namespace noise_detail {
 
 /// One corner's t^4 (g . d) with t = 1/2 - |d|^2 (so that the kernel is C^2 and vanishes before the next
 /// simplex), and its gradient when `grad` is given. g is one of the twelve edge directions of a cube.
-HWY_INLINE Lanes corner(Lanes dx, Lanes dy, Lanes dz, Ints i, Ints j, Ints k, Ints seed, Vec3N<Lanes>* grad) {
+TAFONI_LANES_INLINE Lanes corner(Lanes dx, Lanes dy, Lanes dz, Ints i, Ints j, Ints k, Ints seed,
+                                 Vec3N<Lanes>* grad) {
   Ints h = (i * Ints(0x27d4eb2d)) ^ (j * Ints(0x165667b1)) ^ (k * Ints(0x1b873593)) ^ seed;
   h = h * Ints(0x2c1b3c6d);
   h = h ^ shift_right_unsigned<15>(h);
@@ -62,8 +63,8 @@ HWY_INLINE Lanes corner(Lanes dx, Lanes dy, Lanes dz, Ints i, Ints j, Ints k, In
 inline constexpr float simplex_scale = 76.8f;
 
 /// Simplex noise in [-1, 1]; adds its gradient with respect to q to `grad` when given.
-HWY_INLINE Lanes simplex_lanes(Lanes x, Lanes y, Lanes z, const NoiseCell& cell, std::uint32_t seed,
-                               Vec3N<Lanes>* grad) {
+TAFONI_LANES_INLINE Lanes simplex_lanes(Lanes x, Lanes y, Lanes z, const NoiseCell& cell, std::uint32_t seed,
+                                        Vec3N<Lanes>* grad) {
   const Lanes skew = (x + y + z) * Lanes(1.f / 3);
   const Lanes fi = floor(x + skew), fj = floor(y + skew), fk = floor(z + skew);
   const Lanes unskew = (fi + fj + fk) * Lanes(1.f / 6);
@@ -99,8 +100,8 @@ HWY_INLINE Lanes simplex_lanes(Lanes x, Lanes y, Lanes z, const NoiseCell& cell,
 }
 
 /// Normalised fBm in [-1, 1]: sum of 2^-k simplex(2^k q) over the sum of 2^-k. `grad` as above.
-HWY_INLINE Lanes fbm_lanes(Vec3N<Lanes> q, NoiseCell cell, int octaves, std::uint32_t seed,
-                           Vec3N<Lanes>* grad) {
+TAFONI_LANES_INLINE Lanes fbm_lanes(Vec3N<Lanes> q, NoiseCell cell, int octaves, std::uint32_t seed,
+                                    Vec3N<Lanes>* grad) {
   Lanes sum(0.f);
   Vec3N<Lanes> g{Lanes(0.f), Lanes(0.f), Lanes(0.f)};
   float amplitude = 1, total = 0;

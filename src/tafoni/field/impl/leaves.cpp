@@ -14,28 +14,29 @@ namespace tafoni::field::impl {
 namespace HWY_NAMESPACE {
 using namespace tafoni::HWY_NAMESPACE;
 
-HWY_INLINE Lanes sigma_lanes(const Sigma& s, Lanes x) {
+TAFONI_LANES_INLINE Lanes sigma_lanes(const Sigma& s, Lanes x) {
   const Lanes a = abs(x);
   const Lanes poly = a * mul_add(a, mul_add(a, Lanes(s.k3), Lanes(s.k2)), Lanes(1.f));
   return hn::CopySign(select(a < Lanes(s.influence), poly, Lanes(s.amplitude)).v, x.v);
 }
-HWY_INLINE Lanes sigma_slope(const Sigma& s, Lanes x) {
+TAFONI_LANES_INLINE Lanes sigma_slope(const Sigma& s, Lanes x) {
   const Lanes a = abs(x);
   const Lanes slope = mul_add(a, mul_add(a, Lanes(3 * s.k3), Lanes(2 * s.k2)), Lanes(1.f));
   return select(a < Lanes(s.influence), slope, Lanes(0.f));
 }
-HWY_INLINE Lanes metres_of(const std::int32_t* units, const float* rest) {
+TAFONI_LANES_INLINE Lanes metres_of(const std::int32_t* units, const float* rest) {
   return mul_add(to_lanes(Ints::load(units)), Lanes(static_cast<float>(unit)), Lanes::load(rest));
 }
 
 /// a0 w0 + a1 w1 + a2 w2 + a3 w3, in this order everywhere, so that columns and points agree.
-HWY_INLINE Lanes weighted(Lanes a0, Lanes a1, Lanes a2, Lanes a3, Lanes w0, Lanes w1, Lanes w2, Lanes w3) {
+TAFONI_LANES_INLINE Lanes weighted(Lanes a0, Lanes a1, Lanes a2, Lanes a3, Lanes w0, Lanes w1, Lanes w2,
+                                   Lanes w3) {
   return mul_add(a3, w3, mul_add(a2, w2, mul_add(a1, w1, a0 * w0)));
 }
 
 /// Four raster rows joined by vertical weights, over pixels [first, first + n); clamped at the borders.
-HWY_INLINE void join_rows(const raster::Grid<float>& grid, const Taps& y, const float (&w)[4], int first,
-                          int n, float* out) {
+TAFONI_LANES_INLINE void join_rows(const raster::Grid<float>& grid, const Taps& y, const float (&w)[4],
+                                   int first, int n, float* out) {
   const float* rows[4];
   for (int r = 0; r < 4; ++r) rows[r] = grid.row(std::clamp(y.first + r, 0, grid.height() - 1));
   const int lo = std::clamp(-first, 0, n), hi = std::clamp(grid.width() - first, lo, n);
@@ -59,7 +60,7 @@ HWY_INLINE void join_rows(const raster::Grid<float>& grid, const Taps& y, const 
   for (; i < n; ++i) one(i);
 }
 
-HWY_INLINE Lanes gathered(const float* base, const std::int32_t* index, int tap) {
+TAFONI_LANES_INLINE Lanes gathered(const float* base, const std::int32_t* index, int tap) {
   return hn::GatherIndex(float_tag, base + tap, Ints::load(index).v);
 }
 
@@ -69,8 +70,8 @@ struct AxisTaps {
   int lo, hi;  ///< pixels touched, before clamping
 };
 
-HWY_INLINE void sample_columns(const Sampler& sampler, const Axis& x, const Axis& y, bool slopes,
-                               float* value, float* gx, float* gy) {
+TAFONI_LANES_INLINE void sample_columns(const Sampler& sampler, const Axis& x, const Axis& y, bool slopes,
+                                        float* value, float* gx, float* gy) {
   AxisTaps tx;
   tx.lo = INT32_MAX, tx.hi = INT32_MIN;
   for (int i = 0; i < Axis::size; ++i) {
@@ -106,7 +107,7 @@ HWY_INLINE void sample_columns(const Sampler& sampler, const Axis& x, const Axis
 }
 
 /// 1 / sqrt(1 + |grad h|^2): turns the vertical distance into the first-order distance.
-HWY_INLINE Lanes first_order_scale(Lanes gx, Lanes gy) {
+TAFONI_LANES_INLINE Lanes first_order_scale(Lanes gx, Lanes gy) {
   return Lanes(1.f) / sqrt(mul_add(gy, gy, mul_add(gx, gx, Lanes(1.f))));
 }
 
@@ -127,11 +128,11 @@ void height_columns(const HeightLeaf& leaf, const Axis& x, const Axis& y, Column
 }
 
 /// corner_distance() of lanes.
-HWY_INLINE Lanes corner_lanes(Lanes a, Lanes b) {
+TAFONI_LANES_INLINE Lanes corner_lanes(Lanes a, Lanes b) {
   return select(max(a, b) < Lanes(0.f), -sqrt(mul_add(a, a, b * b)), min(a, b));
 }
 /// Signed distance to the rectangle's border in the plane, positive inside.
-HWY_INLINE float rectangle_distance(const Box3d& box, double x, double y) {
+TAFONI_LANES_INLINE float rectangle_distance(const Box3d& box, double x, double y) {
   return static_cast<float>(
       corner_distance(std::min(x - box.lo.x, box.hi.x - x), std::min(y - box.lo.y, box.hi.y - y)));
 }
@@ -184,7 +185,7 @@ struct Patch {
   alignas(16) float edge[4][4];  ///< copies, where the raster's border cuts the patch
   const float* rows[4];
 
-  HWY_INLINE Patch(const raster::Grid<float>& grid, int col, int row) {
+  TAFONI_LANES_INLINE Patch(const raster::Grid<float>& grid, int col, int row) {
     const bool inside = col >= 0 && col + 4 <= grid.width();
     for (int r = 0; r < 4; ++r) {
       const float* pixels = grid.row(std::clamp(row + r, 0, grid.height() - 1));
@@ -195,7 +196,7 @@ struct Patch {
     }
   }
   /// The same chain of operations as weighted().
-  HWY_INLINE void join(const float (&w)[4], float (&out)[4][8], int lane) const {
+  TAFONI_LANES_INLINE void join(const float (&w)[4], float (&out)[4][8], int lane) const {
     const hn::CappedTag<float, 4> d;  // one lane where the machine has no vectors
     alignas(16) float four[4];
     for (std::size_t c = 0; c < 4; c += hn::Lanes(d)) {
@@ -207,7 +208,8 @@ struct Patch {
   }
 };
 
-HWY_INLINE void sample_points(const Sampler& sampler, const Vec3d* p, int derivatives, PointSamples& s) {
+TAFONI_LANES_INLINE void sample_points(const Sampler& sampler, const Vec3d* p, int derivatives,
+                                       PointSamples& s) {
   for (int l = 0; l < 8; ++l) {
     const Taps tx = sampler.taps_x(p[l].x), ty = sampler.taps_y(p[l].y);
     const Patch patch(sampler.raster().values, tx.first, ty.first);
@@ -217,7 +219,7 @@ HWY_INLINE void sample_points(const Sampler& sampler, const Vec3d* p, int deriva
     if (derivatives >= 2) patch.join(ty.dd, s.vyy, l);
   }
 }
-HWY_INLINE Lanes across(const float (&a)[4][8], const float (&w)[4][8], std::size_t l) {
+TAFONI_LANES_INLINE Lanes across(const float (&a)[4][8], const float (&w)[4][8], std::size_t l) {
   return weighted(Lanes::load(a[0] + l), Lanes::load(a[1] + l), Lanes::load(a[2] + l), Lanes::load(a[3] + l),
                   Lanes::load(w[0] + l), Lanes::load(w[1] + l), Lanes::load(w[2] + l), Lanes::load(w[3] + l));
 }
@@ -259,7 +261,7 @@ void height_gradients(const HeightLeaf& leaf, const Vec3d* p, const PointLanes& 
 }
 
 /// Gradient of rectangle_distance().
-HWY_INLINE void rectangle_gradient(const Box3d& box, Vec3d p, float& gx, float& gy) {
+TAFONI_LANES_INLINE void rectangle_gradient(const Box3d& box, Vec3d p, float& gx, float& gy) {
   const double west = p.x - box.lo.x, east = box.hi.x - p.x, south = p.y - box.lo.y, north = box.hi.y - p.y;
   const double a = std::min(west, east), b = std::min(south, north);
   const double dx = west < east ? 1 : -1, dy = south < north ? 1 : -1;

@@ -31,7 +31,7 @@ void operator_points(float* a, const float* b) {
     Op::apply(Lanes::load(a + l), Lanes::load(b + l)).store(a + l);
 }
 
-HWY_INLINE Dual load_dual(const PointValues& p, std::size_t l) {
+TAFONI_LANES_INLINE Dual load_dual(const PointValues& p, std::size_t l) {
   return {Lanes::load(p.v + l), Lanes::load(p.gx + l), Lanes::load(p.gy + l), Lanes::load(p.gz + l)};
 }
 

@@ -19,7 +19,7 @@ namespace tafoni::field::impl {
 namespace HWY_NAMESPACE {
 using namespace tafoni::HWY_NAMESPACE;
 
-HWY_INLINE Lanes along(Ints sample, Lanes rest, std::int32_t anchor) {
+TAFONI_LANES_INLINE Lanes along(Ints sample, Lanes rest, std::int32_t anchor) {
   return mul_add(to_lanes(sample - Ints(anchor)), Lanes(static_cast<float>(unit)), rest);
 }
 
@@ -30,7 +30,7 @@ struct LocalNoise {
   NoiseCell cell;
   Vec3f base;  ///< the anchor, in wavelengths, modulo the translation in `cell`
 
-  HWY_INLINE LocalNoise(const Noise& n, std::int32_t x, std::int32_t y, std::int32_t z)
+  TAFONI_LANES_INLINE LocalNoise(const Noise& n, std::int32_t x, std::int32_t y, std::int32_t z)
       : noise(n), cell{Ints(0), Ints(0), Ints(0)} {
     if (n.amplitude == 0) return;
     const double scale = unit * static_cast<double>(n.inv_wavelength);
@@ -46,10 +46,10 @@ struct LocalNoise {
     base = {rest[0], rest[1], rest[2]};
   }
 
-  HWY_INLINE Lanes operator()(const Vec3N<Lanes>& v) const {
+  TAFONI_LANES_INLINE Lanes operator()(const Vec3N<Lanes>& v) const {
     return fbm_lanes(place(v), cell, noise.octaves, noise.seed, nullptr) * Lanes(noise.amplitude);
   }
-  HWY_INLINE Dual operator()(const Vec3N<Dual>& v) const {
+  TAFONI_LANES_INLINE Dual operator()(const Vec3N<Dual>& v) const {
     Vec3N<Lanes> g{Lanes(0.f), Lanes(0.f), Lanes(0.f)};
     const Lanes t = fbm_lanes(place({v.x.v, v.y.v, v.z.v}), cell, noise.octaves, noise.seed, &g);
     const Lanes k(noise.amplitude * noise.inv_wavelength);
@@ -60,7 +60,7 @@ struct LocalNoise {
   }
 
  private:
-  HWY_INLINE Vec3N<Lanes> place(const Vec3N<Lanes>& v) const {
+  TAFONI_LANES_INLINE Vec3N<Lanes> place(const Vec3N<Lanes>& v) const {
     const Lanes k(noise.inv_wavelength);
     return {mul_add(v.x, k, Lanes(base.x)), mul_add(v.y, k, Lanes(base.y)), mul_add(v.z, k, Lanes(base.z))};
   }
@@ -75,7 +75,7 @@ struct Shape {
 
 /// 1 - (distance / support)^2, cut at 0.
 template <class K, bool perturbed, class N>
-HWY_INLINE N closeness(const Vec3N<N>& p, const Shape& shape, const LocalNoise& noise) {
+TAFONI_LANES_INLINE N closeness(const Vec3N<N>& p, const Shape& shape, const LocalNoise& noise) {
   const Vec3N<N> o = K::offset(p, shape.extras, shape.count);
   const N d2 = dot(o, o);
   if constexpr (!K::volumetric && !perturbed) {
@@ -91,7 +91,7 @@ HWY_INLINE N closeness(const Vec3N<N>& p, const Shape& shape, const LocalNoise& 
 }
 
 template <class K>
-HWY_INLINE Shape shape_of(const CloudView& cloud, std::uint32_t i) {
+TAFONI_LANES_INLINE Shape shape_of(const CloudView& cloud, std::uint32_t i) {
   const float radius = cloud.primitives->radius[i];
   Shape shape{radius, K::volumetric ? 1.f / cloud.falloff : 1.f / (radius * radius), nullptr, 0};
   if constexpr (K::has_extras) {
@@ -103,13 +103,14 @@ HWY_INLINE Shape shape_of(const CloudView& cloud, std::uint32_t i) {
 
 /// Distances of a block's rows or planes from an anchor, with the lanes' own arithmetic: a scalar fused
 /// multiply-add would differ on a machine without one.
-HWY_INLINE void distances(const std::int32_t* sample, const float* rest, std::int32_t anchor, float* out) {
+TAFONI_LANES_INLINE void distances(const std::int32_t* sample, const float* rest, std::int32_t anchor,
+                                   float* out) {
   for (std::size_t l = 0; l < 8; l += lane_count())
     along(Ints::load(sample + l), Lanes::load(rest + l), anchor).store(out + l);
 }
 
 template <class K, bool perturbed>
-HWY_INLINE void add_one_to_block(const CloudView& cloud, std::uint32_t i, const Block& block) {
+TAFONI_LANES_INLINE void add_one_to_block(const CloudView& cloud, std::uint32_t i, const Block& block) {
   const Primitives& prims = *cloud.primitives;
   const std::size_t width = lane_count();
   alignas(32) float dx[8], dy[8], dz[8];
@@ -146,16 +147,16 @@ void add_block(const CloudView& cloud, const std::uint32_t* list, std::size_t n,
     for (std::size_t m = 0; m < n; ++m) add_one_to_block<K, true>(cloud, list[m], block);
 }
 
-HWY_INLINE Vec3N<Lanes> relative(const PointLanes& p, std::size_t l, const Primitives& prims,
-                                 std::uint32_t i) {
+TAFONI_LANES_INLINE Vec3N<Lanes> relative(const PointLanes& p, std::size_t l, const Primitives& prims,
+                                          std::uint32_t i) {
   return {along(Ints::load(p.x + l), Lanes::load(p.xr + l), prims.x[i]),
           along(Ints::load(p.y + l), Lanes::load(p.yr + l), prims.y[i]),
           along(Ints::load(p.z + l), Lanes::load(p.zr + l), prims.z[i])};
 }
 
 template <class K, bool perturbed>
-HWY_INLINE void add_points_if(const CloudView& cloud, const std::uint32_t* list, std::size_t n,
-                              const PointLanes& p, float* f) {
+TAFONI_LANES_INLINE void add_points_if(const CloudView& cloud, const std::uint32_t* list, std::size_t n,
+                                       const PointLanes& p, float* f) {
   const Primitives& prims = *cloud.primitives;
   for (std::size_t l = 0; l < 8; l += lane_count()) {
     Lanes sum = Lanes::load(f + l);
@@ -179,8 +180,8 @@ void add_points(const CloudView& cloud, const std::uint32_t* list, std::size_t n
 }
 
 template <class K, bool perturbed>
-HWY_INLINE void add_gradients_if(const CloudView& cloud, const std::uint32_t* list, std::size_t n,
-                                 const PointLanes& p, PointValues& out) {
+TAFONI_LANES_INLINE void add_gradients_if(const CloudView& cloud, const std::uint32_t* list, std::size_t n,
+                                          const PointLanes& p, PointValues& out) {
   const Primitives& prims = *cloud.primitives;
   const Lanes one(1.f), zero(0.f);
   for (std::size_t l = 0; l < 8; l += lane_count()) {

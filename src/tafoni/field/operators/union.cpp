@@ -12,7 +12,7 @@ namespace HWY_NAMESPACE {
 
 struct Union {
   template <class N>
-  static HWY_INLINE N apply(const N& a, const N& b) {
+  static TAFONI_LANES_INLINE N apply(const N& a, const N& b) {
     return max(a, b);
   }
 };

@@ -14,7 +14,7 @@ struct Curve {
   static constexpr bool volumetric = false, has_extras = true;
   /// The vertices after the first, which is the anchor.
   template <class N>
-  static HWY_INLINE Vec3N<N> offset(const Vec3N<N>& p, const float* vertices, std::uint32_t count) {
+  static TAFONI_LANES_INLINE Vec3N<N> offset(const Vec3N<N>& p, const float* vertices, std::uint32_t count) {
     Vec3N<N> best = p;
     N best2 = dot(p, p);
     float from[3] = {0, 0, 0};

@@ -13,7 +13,7 @@ namespace HWY_NAMESPACE {
 struct Point {
   static constexpr bool volumetric = false, has_extras = false;
   template <class N>
-  static HWY_INLINE Vec3N<N> offset(const Vec3N<N>& p, const float*, std::uint32_t) {
+  static TAFONI_LANES_INLINE Vec3N<N> offset(const Vec3N<N>& p, const float*, std::uint32_t) {
     return p;
   }
 };

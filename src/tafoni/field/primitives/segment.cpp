@@ -13,7 +13,7 @@ namespace HWY_NAMESPACE {
 struct Segment {
   static constexpr bool volumetric = false, has_extras = true;
   template <class N>
-  static HWY_INLINE Vec3N<N> offset(const Vec3N<N>& p, const float* end, std::uint32_t) {
+  static TAFONI_LANES_INLINE Vec3N<N> offset(const Vec3N<N>& p, const float* end, std::uint32_t) {
     const float length2 = end[0] * end[0] + end[1] * end[1] + end[2] * end[2];
     const Vec3N<N> axis = broadcast<N>({end[0], end[1], end[2]});
     const N along = dot(p, axis) * N(1.f / std::max(length2, 1e-20f));
