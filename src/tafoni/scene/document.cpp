@@ -1,6 +1,7 @@
 #include "tafoni/scene/document.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tafoni/core/error.h"
 #include "tafoni/scene/csv.h"
@@ -111,11 +112,13 @@ void check(const Document& document, std::string_view where) {
          "{}: influence = {} m is more than three times amplitude = {} m, where the field stops growing with "
          "depth; raise the amplitude to at least {:.6g} m or lower the influence",
          where, t.influence, t.amplitude, t.influence / 3);
+  if (!t.window.empty() && !t.generator.empty())
+    fail(ErrorKind::input, "{}: window is for a source; a generator takes width and height", where);
   if (!t.window.empty() && (t.window[2] < 1 || t.window[3] < 1))
     fail(ErrorKind::input, "{}: window = {} has no pixels; it is column, row, width, height", where,
          to_toml(t.window));
   for (double v : t.window)
-    if (v != std::int64_t(v))
+    if (v != std::trunc(v))
       fail(ErrorKind::input, "{}: window = {} must be whole pixels", where, to_toml(t.window));
   for (const Layer& layer : document.layers) {
     const LayerSettings& s = layer.settings;

@@ -136,6 +136,8 @@ INSTANTIATE_TEST_SUITE_P(
             "influence = 30 m is more than three times amplitude = 7.5 m, where the field stops growing with "
             "depth; raise the amplitude to at least 10 m or lower the influence"},
         Wrong{"[terrain]\nsource = \"a\"\nwindow = [0, 0, 0, 5]", "has no pixels"},
+        Wrong{"[terrain]\ngenerator = \"coast\"\nwindow = [0, 0, 5, 5]",
+              "window is for a source; a generator"},
         Wrong{"[terrain]\nsource = \"a\"\nwindow = [0, 0, 1.5, 5]", "must be whole pixels"},
         Wrong{"[terrain]\nsource = \"a\"\n[[layer]]\ntype = \"karst\"\naltitude = [9, 1]",
               "dir/s.toml:3: altitude = [9.0, 1.0] of layer karst has its ends swapped"},
