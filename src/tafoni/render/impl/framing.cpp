@@ -173,6 +173,32 @@ std::optional<Vec3f> find_cave(const World& world, std::optional<float> sea) {
 
 }  // namespace
 
+namespace {
+
+/// The greatest of four numbers over all vertices not below `sea`; measure(p) gives them for one.
+template <class Measure>
+std::array<double, 4> greatest(const World& world, std::optional<float> sea, Measure&& measure) {
+  const std::vector<Vec3f>& positions = world.mesh().positions;
+  constexpr std::int64_t grain = 1 << 16;
+  const auto count = static_cast<std::int64_t>(positions.size());
+  constexpr std::array<double, 4> least{-1e300, -1e300, -1e300, -1e300};
+  std::vector<std::array<double, 4>> blocks(static_cast<std::size_t>((count + grain - 1) / grain), least);
+  parallel_blocks(count, grain, [&](std::int64_t begin, std::int64_t end) {
+    std::array<double, 4>& block = blocks[static_cast<std::size_t>(begin / grain)];
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      if (sea && positions[i].z < *sea) continue;
+      const std::array<double, 4> m = measure(to_double(positions[i]));
+      for (std::size_t k = 0; k < 4; ++k) block[k] = std::max(block[k], m[k]);
+    }
+  });
+  std::array<double, 4> all = least;
+  for (const auto& block : blocks)
+    for (std::size_t k = 0; k < 4; ++k) all[k] = std::max(all[k], block[k]);
+  return all;
+}
+
+}  // namespace
+
 Camera fit(const World& world, double azimuth, double elevation, double fov, double aspect,
            std::optional<float> sea) {
   if (sea && world.box().hi.z <= *sea) sea = std::nullopt;
@@ -181,26 +207,45 @@ Camera fit(const World& world, double azimuth, double elevation, double fov, dou
   const Vec3d right = normalized(cross(forward, Vec3d{0, 0, 1})), up = cross(right, forward);
   const double tan_y = margin * std::tan(fov / 2), tan_x = tan_y * aspect;
   // The eye e sees p when |r(p) - r(e)| <= tan_x (f(p) - f(e)), and so for up: four planes to push back.
-  double left = -1e300, right_most = -1e300, low = -1e300, high = -1e300, depth = 0;
-  std::uint64_t seen = 0;
-  for (const Vec3f local : world.mesh().positions) {
-    if (sea && local.z < *sea) continue;
-    const Vec3d p = to_double(local);
+  const auto [right_most, left, high, low] = greatest(world, sea, [&](Vec3d p) {
     const double r = dot(p, right), u = dot(p, up), f = dot(p, forward);
-    right_most = std::max(right_most, r - tan_x * f);
-    left = std::max(left, -r - tan_x * f);
-    high = std::max(high, u - tan_y * f);
-    low = std::max(low, -u - tan_y * f);
-    depth += f;
-    ++seen;
-  }
-  depth /= static_cast<double>(seen);
+    return std::array{r - tan_x * f, -r - tan_x * f, u - tan_y * f, -u - tan_y * f};
+  });
   const double f = std::min(-(left + right_most) / (2 * tan_x), -(low + high) / (2 * tan_y));
   const double r = (right_most - left) / 2, u = (high - low) / 2;
   Camera camera;
   camera.eye = right * r + up * u + forward * f;
-  camera.target = camera.eye + forward * std::max(depth - f, 1e-3);
+  camera.target = camera.eye + forward * std::max(dot(to_double(world.box().center()), forward) - f, 1e-3);
   camera.fov = fov;
+  return camera;
+}
+
+Camera centered(const World& world, Camera camera, double aspect, std::optional<float> sea) {
+  if (sea && world.box().hi.z <= *sea) sea = std::nullopt;
+  const Vec3d forward = normalized(camera.target - camera.eye);
+  const Vec3d right = normalized(cross(forward, Vec3d{0, 0, 1})), up = cross(right, forward);
+  const double tan_y = margin * std::tan(camera.fov / 2), tan_x = tan_y * aspect;
+  // How far the eye may go each way before a vertex leaves the picture, then halved again and again.
+  const auto slack = greatest(world, sea, [&](Vec3d p) {
+    const Vec3d d = p - camera.eye;
+    const double r = dot(d, right), u = dot(d, up), f = dot(d, forward);
+    return std::array{r - tan_x * f, -r - tan_x * f, u - tan_y * f, -u - tan_y * f};
+  });
+  double r_low = slack[0], r_high = -slack[1], u_low = slack[2], u_high = -slack[3], r = 0, u = 0;
+  for (int step = 0; step < 12; ++step) {
+    r = (r_low + r_high) / 2;
+    u = (u_low + u_high) / 2;
+    const auto reach = greatest(world, sea, [&](Vec3d p) {
+      const Vec3d d = p - camera.eye;
+      const double depth = dot(d, forward), x = (dot(d, right) - r) / depth, y = (dot(d, up) - u) / depth;
+      return std::array{x, -x, y, -y};
+    });
+    (reach[0] > reach[1] ? r_low : r_high) = r;
+    (reach[2] > reach[3] ? u_low : u_high) = u;
+  }
+  const Vec3d by = right * r + up * u;
+  camera.eye += by;
+  camera.target += by;
   return camera;
 }
 
@@ -221,14 +266,14 @@ Camera best_outside(const World& world, const RenderSettings& settings, std::opt
   for (const double elevation : elevations)
     for (const double azimuth : azimuths) {
       const Camera camera = fit(world, azimuth, elevation, fov, aspect, sea);
-      if (azimuths.size() * elevations.size() == 1) return camera;
+      if (azimuths.size() * elevations.size() == 1) return centered(world, camera, aspect, sea);
       // From high up more ground is seen, but undercuts less; it must be worth it.
       const double score = interest(world, camera, aspect, sea) * (elevation > 0.4 ? 0.85 : 1.0);
       if (score <= best_score) continue;
       best_score = score;
       best = camera;
     }
-  return best;
+  return centered(world, best, aspect, sea);
 }
 
 Camera best_inside(const World& world, std::optional<Vec3f> eye, std::optional<float> sea) {

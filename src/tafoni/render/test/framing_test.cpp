@@ -51,6 +51,27 @@ TEST(Frame, HoldsTheWholeMeshAndFillsThePicture) {
   }
 }
 
+TEST(Frame, PutsTheMeshInTheMiddle) {
+  const mesh::Mesh mesh = terrain(40, 2);
+  for (const int height : {200, 500, 1500}) {
+    RenderSettings settings;
+    settings.height = height;
+    const Camera camera = Scene(mesh).frame(settings);
+    const Vec3d f = normalized(camera.target - camera.eye), r = normalized(cross(f, camera.up)),
+                u = cross(r, f);
+    double left = 1e9, right = -1e9, low = 1e9, high = -1e9;
+    for (const Vec3f p : mesh.positions) {
+      const Vec3d d = to_double(p) + mesh.origin - camera.eye;
+      left = std::min(left, dot(d, r) / dot(d, f));
+      right = std::max(right, dot(d, r) / dot(d, f));
+      low = std::min(low, dot(d, u) / dot(d, f));
+      high = std::max(high, dot(d, u) / dot(d, f));
+    }
+    EXPECT_NEAR(-left, right, 0.02 * right);
+    EXPECT_NEAR(-low, high, 0.02 * high);
+  }
+}
+
 TEST(Frame, LooksAtTheCliff) {
   for (const double azimuth : {0.3, 1.9, 3.3, 5.0}) {
     const mesh::Mesh mesh = terrain(60, azimuth);
