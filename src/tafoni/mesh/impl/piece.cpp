@@ -99,6 +99,7 @@ void PieceMaker::vertices(int k, const PlaneOutput& out) {
 }
 
 void PieceMaker::triangles(const PlaneOutput& out) {
+  if (out.indices.size() == 0) return;
   indices_.reserve_extra(out.indices.size());
   std::memcpy(indices_.end(), out.indices.data(), out.indices.size() * sizeof(std::uint32_t));
   indices_.commit(out.indices.size());
