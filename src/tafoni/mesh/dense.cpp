@@ -101,6 +101,7 @@ void polygonize_grid(const DenseGrid& grid, bool normals, Mesh& out) {
   out.normals.clear();
   out.colors.clear();
   out.triangles.clear();
+  impl::BlockWalker walker;
   const std::vector<std::uint64_t> bits = all_signs(grid);
   reserve_output(grid, bits, normals, out);
   DenseSink sink{grid, out, normals};
@@ -109,7 +110,6 @@ void polygonize_grid(const DenseGrid& grid, bool normals, Mesh& out) {
   sink.plane.nx = grid.nx, sink.plane.ny = grid.ny, sink.plane.nz = grid.nz;
   sink.plane.voxel = grid.spacing;
   sink.plane.margin = impl::margin_for(4096);
-  impl::BlockWalker walker;
   walker.walk(grid.samples, grid.nx, grid.ny, grid.nz, grid.nx,
               static_cast<std::ptrdiff_t>(grid.nx) * grid.ny, AllCells(grid), sink, bits.data());
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "tafoni/math/simd.h"
 #include "tafoni/mesh/impl/buffer.h"
 #include "tafoni/mesh/impl/kernels.h"
 
@@ -25,6 +26,8 @@ struct PlaneOutput {
 /// `void triangles(const PlaneOutput&)`, for the layer below plane k; both in order of k.
 class BlockWalker {
  public:
+  BlockWalker() { limit_simd(); }
+
   /// `signs`: the solid bits of all samples, (nx + 63) / 64 words a row, where they are known already; or
   /// null.
   template <class Cells, class Sink>

@@ -8,6 +8,7 @@
 // foreach_target must come before what it compiles again.
 #include <hwy/highway.h>
 
+#include "tafoni/math/simd.h"
 #include "tafoni/mesh/impl/lanes_table.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -284,7 +285,7 @@ void place(const Plane& plane, const EdgeKey* keys, std::size_t n, float* positi
 
 std::size_t triangles(const RowWord* lower, const RowWord* upper, const std::uint64_t* cells, int rows,
                       int words, std::uint32_t* out, std::uint64_t& cut) {
-  static const bool by_lanes = has_lane_popcount();
+  static const bool by_lanes = simd_name() == "avx512" && has_lane_popcount();
   if (by_lanes) return triangles_by_lanes(lower, upper, cells, rows, words, out, cut);
   return HWY_DYNAMIC_DISPATCH(triangles_kernel)(lower, upper, cells, rows, words, out, cut);
 }
