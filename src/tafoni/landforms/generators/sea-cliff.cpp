@@ -370,7 +370,19 @@ class SeaCliff {
       if (!ground_.usable(at)) continue;
       add_point(cloud, at, reach * random.uniform(0.85, 1.15), -energy * span / (n * step));
       ++primitives_;
+      pocket(cloud, at, tube.radius, random);
     }
+  }
+
+  /// The walls of caves recede where the bed is soft.
+  void pocket(field::CloudBuilder& cloud, Vec3d at, double radius, Random& random) {
+    const Vec3d d = normalized(Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-0.3, 1)});
+    const Vec3d wall = at + d * (radius * random.uniform(0.7, 1.0));
+    const double soft = 1 - resistance(wall);
+    if (soft < 0.1 || !ground_.usable(wall)) return;
+    add_point(cloud, wall, radius * random.uniform(0.35, 0.75),
+              -4 * p_.roughness * ground_.site().amplitude * soft);
+    ++primitives_;
   }
 
   Result report(Result result) const {
