@@ -10,7 +10,8 @@
 
 namespace tafoni::landforms {
 
-/// Grows as points come. Queries of a radius up to half a cell look into 8 cells at most.
+/// Grows as points come. Positions up to 2^31 cells from zero. Queries of a radius up to half a cell look
+/// into 8 cells at most.
 class SpatialHash {
  public:
   explicit SpatialHash(double cell, std::size_t expected = 64) : scale_(1 / cell) {
@@ -42,9 +43,9 @@ class SpatialHash {
   bool near(Vec3d p, double radius, F&& visit) const {
     const Vec3d r{radius, radius, radius};
     const Cell lo = cell_of(p - r), hi = cell_of(p + r);
-    for (std::int64_t z = lo.z; z <= hi.z; ++z)
-      for (std::int64_t y = lo.y; y <= hi.y; ++y)
-        for (std::int64_t x = lo.x; x <= hi.x; ++x)
+    for (std::int32_t z = lo.z; z <= hi.z; ++z)
+      for (std::int32_t y = lo.y; y <= hi.y; ++y)
+        for (std::int32_t x = lo.x; x <= hi.x; ++x)
           for (std::uint32_t i = slots_[find({x, y, z})].head; i != none; i = points_[i].next) {
             const Vec3d d = points_[i].position - p;
             const double d2 = dot(d, d);
@@ -59,7 +60,7 @@ class SpatialHash {
 
  private:
   static constexpr std::uint32_t none = 0xffffffffu;
-  using Cell = Vec3<std::int64_t>;
+  using Cell = Vec3i;
   struct Slot {
     Cell cell;
     std::uint32_t head = none;
@@ -70,9 +71,9 @@ class SpatialHash {
   };
 
   Cell cell_of(Vec3d p) const {
-    return {static_cast<std::int64_t>(std::floor(p.x * scale_)),
-            static_cast<std::int64_t>(std::floor(p.y * scale_)),
-            static_cast<std::int64_t>(std::floor(p.z * scale_))};
+    return {static_cast<std::int32_t>(std::floor(p.x * scale_)),
+            static_cast<std::int32_t>(std::floor(p.y * scale_)),
+            static_cast<std::int32_t>(std::floor(p.z * scale_))};
   }
   std::size_t find(Cell c) const {
     const std::uint64_t key = static_cast<std::uint64_t>(c.x) * 0x9e3779b97f4a7c15ull ^

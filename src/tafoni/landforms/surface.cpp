@@ -74,6 +74,7 @@ class ColumnSampler {
         Vec3d{static_cast<double>(cell.x), static_cast<double>(cell.y), static_cast<double>(cell.z)} * voxel_;
     const Box3d grown{lo - Vec3d{voxel_, voxel_, voxel_}, lo + Vec3d{2 * voxel_, 2 * voxel_, 2 * voxel_}};
     if (!settings_.box.overlaps(grown)) return;
+    if (settings_.maybe && !settings_.maybe(grown.center(), 3 * voxel_)) return;
     const std::uint64_t key =
         hash_combine(hash_combine(hash_combine(settings_.seed, static_cast<std::uint64_t>(cell.x)),
                                   static_cast<std::uint64_t>(cell.y)),

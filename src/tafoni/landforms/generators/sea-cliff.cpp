@@ -209,8 +209,12 @@ class SeaCliff {
     sampling.spacing = spacing;
     sampling.box = box;
     sampling.seed = hash_combine(ground_.site().seed, stream);
-    sampling.accept = [this](const SurfacePoint& at) {
-      return ground_.usable(at.position) && exposed(at) > 0;
+    sampling.maybe = [this](Vec3d p, double around) {
+      return water_.values.empty() || nearest(water_, p) < p_.reach + around + 2 * ground_.pixel();
+    };
+    // e is never above the stress, so what the threshold drops need not be sampled.
+    sampling.accept = [this, &stress_at](const SurfacePoint& at) {
+      return ground_.usable(at.position) && stress_at(at) > 0 && stress_at(at) >= p_.threshold;
     };
     const auto points = sample_surface(field, sampling, progress_);
     std::vector<Attack> attacks(points.size());
