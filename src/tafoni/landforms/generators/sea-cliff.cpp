@@ -349,7 +349,6 @@ class SeaCliff {
     settings.spacing = p_.cave_spacing;
     settings.length = p_.cave_length;
     settings.radius = p_.cave_radius;
-    settings.roughness = p_.roughness;
     settings.joints = p_.joints;
     settings.seed = hash_combine(ground_.site().seed, 0xca);
     made_ = sea_caves(field, ground_, joints_, std::move(attacks), settings, progress_);
@@ -391,10 +390,16 @@ class SeaCliff {
 
   Result report(Result result) const {
     result.report.emplace_back("primitives", primitives_);
-    result.report.emplace_back("strongest effect", strongest_);
+    result.report.emplace_back("strongest_effect", strongest_);
     result.report.emplace_back("caves", static_cast<std::int64_t>(made_.mouths.size()));
+    std::vector<double> mouths;
+    for (Vec3d p : made_.mouths)
+      for (double v :
+           {p.x + ground_.site().origin.x, p.y + ground_.site().origin.y, p.z + ground_.site().origin.z})
+        mouths.push_back(v);
+    result.report.emplace_back("cave_positions", std::move(mouths));
     result.report.emplace_back("arches", static_cast<std::int64_t>(made_.arches));
-    result.report.emplace_back("cave passage m", made_.length);
+    result.report.emplace_back("cave_passage_m", made_.length);
     return result;
   }
 

@@ -22,7 +22,6 @@ struct CaveSettings {
   double spacing = 45;  ///< least distance between mouths, metres
   double length = 25;   ///< of a cave where rock is weakest, metres
   double radius = 2.5;  ///< of the open passage, metres
-  double roughness = 0.3;
   double joints = 0.6;  ///< share by which a joint weakens the rock
   std::uint64_t seed = 0;
 };
