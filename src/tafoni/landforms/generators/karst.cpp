@@ -23,7 +23,7 @@ struct Params {
   std::int64_t sinks = 8;
   std::int64_t faces = 6;
   double sink_depth = 0.3;
-  double face_slope = 38;
+  double face_slope = 30;
   double passage = 500;
   double depth = 80;
   double base_level = -12000;
