@@ -258,7 +258,7 @@ TEST(Glb, KhronosValidatorFindsNothing) {
   mesh.colors.clear();
   write_mesh(bare, mesh);
   const std::string command =
-      fmt::format(TAFONI_SOURCE_DIR "/tests/gltf_validate.sh '{}' '{}'", path.string(), bare.string());
+      fmt::format("'" TAFONI_SOURCE_DIR "/tests/gltf_validate.sh' '{}' '{}'", path.string(), bare.string());
   const int status = std::system(command.c_str());
   ASSERT_TRUE(WIFEXITED(status));
   if (WEXITSTATUS(status) == 77) GTEST_SKIP() << "gltf-validator is not installed";
