@@ -34,18 +34,51 @@ TAFONI_LANES_INLINE Lanes weighted(Lanes a0, Lanes a1, Lanes a2, Lanes a3, Lanes
   return mul_add(a3, w3, mul_add(a2, w2, mul_add(a1, w1, a0 * w0)));
 }
 
+/// Weights of four taps for value, slope and curvature at eight places, [tap][place].
+struct Weights {
+  alignas(32) float w[4][8], d[4][8], dd[4][8];
+};
+
+/// Catmull-Rom or bilinear weights for `derivatives` orders (0 to 2).
+TAFONI_LANES_INLINE void weigh(bool bicubic, const float* places, const float* live, int derivatives,
+                               Weights& out) {
+  for (std::size_t l = 0; l < 8; l += lane_count()) {
+    const Lanes t = Lanes::load(places + l), on = Lanes::load(live + l), half(0.5f), zero(0.f), one(1.f);
+    const auto store = [&](float(&to)[4][8], Lanes a, Lanes b, Lanes c, Lanes d) {
+      a.store(to[0] + l), b.store(to[1] + l), c.store(to[2] + l), d.store(to[3] + l);
+    };
+    if (!bicubic) {
+      store(out.w, zero, one - t, t, zero);
+      if (derivatives >= 1) store(out.d, zero, zero - on, on, zero);
+      if (derivatives >= 2) store(out.dd, zero, zero, zero, zero);
+      continue;
+    }
+    const Lanes two(2.f), three(3.f), four(4.f), five(5.f), eight(8.f), nine(9.f), ten(10.f), t2 = t * t,
+                                                                                              t3 = t2 * t;
+    store(out.w, half * (two * t2 - t3 - t), half * (three * t3 - five * t2 + two),
+          half * (four * t2 - three * t3 + t), half * (t3 - t2));
+    const Lanes slope = half * on;
+    if (derivatives >= 1)
+      store(out.d, slope * (four * t - three * t2 - one), slope * (nine * t2 - ten * t),
+            slope * (eight * t - nine * t2 + one), slope * (three * t2 - two * t));
+    if (derivatives >= 2)
+      store(out.dd, on * (two - three * t), on * (nine * t - five), on * (four - nine * t),
+            on * (three * t - one));
+  }
+}
+
 /// Four raster rows joined by vertical weights, over pixels [first, first + n); clamped at the borders.
-TAFONI_LANES_INLINE void join_rows(const raster::Grid<float>& grid, const Taps& y, const float (&w)[4],
-                                   int first, int n, float* out) {
+TAFONI_LANES_INLINE void join_rows(const raster::Grid<float>& grid, int row, const float (&w)[4][8],
+                                   int place, int first, int n, float* out) {
   const float* rows[4];
-  for (int r = 0; r < 4; ++r) rows[r] = grid.row(std::clamp(y.first + r, 0, grid.height() - 1));
+  for (int r = 0; r < 4; ++r) rows[r] = grid.row(std::clamp(row + r, 0, grid.height() - 1));
+  const Lanes w0(w[0][place]), w1(w[1][place]), w2(w[2][place]), w3(w[3][place]);
   const int lo = std::clamp(-first, 0, n), hi = std::clamp(grid.width() - first, lo, n);
   const int width = static_cast<int>(lane_count());
   const auto one = [&](int i) {
     const int c = std::clamp(first + i, 0, grid.width() - 1);
     alignas(32) float lanes[8];
-    weighted(Lanes(rows[0][c]), Lanes(rows[1][c]), Lanes(rows[2][c]), Lanes(rows[3][c]), Lanes(w[0]),
-             Lanes(w[1]), Lanes(w[2]), Lanes(w[3]))
+    weighted(Lanes(rows[0][c]), Lanes(rows[1][c]), Lanes(rows[2][c]), Lanes(rows[3][c]), w0, w1, w2, w3)
         .store(lanes);
     out[i] = lanes[0];
   };
@@ -54,7 +87,7 @@ TAFONI_LANES_INLINE void join_rows(const raster::Grid<float>& grid, const Taps& 
   for (; i + width <= hi; i += width) {
     const int c = first + i;
     weighted(Lanes::load(rows[0] + c), Lanes::load(rows[1] + c), Lanes::load(rows[2] + c),
-             Lanes::load(rows[3] + c), Lanes(w[0]), Lanes(w[1]), Lanes(w[2]), Lanes(w[3]))
+             Lanes::load(rows[3] + c), w0, w1, w2, w3)
         .store(out + i);
   }
   for (; i < n; ++i) one(i);
@@ -64,43 +97,45 @@ TAFONI_LANES_INLINE Lanes gathered(const float* base, const std::int32_t* index,
   return hn::GatherIndex(float_tag, base + tap, Ints::load(index).v);
 }
 
-struct AxisTaps {
-  alignas(32) float w[4][Axis::size], d[4][Axis::size];
-  alignas(32) std::int32_t first[Axis::size];
-  int lo, hi;  ///< pixels touched, before clamping
-};
-
 TAFONI_LANES_INLINE void sample_columns(const Sampler& sampler, const Axis& x, const Axis& y, bool slopes,
                                         float* value, float* gx, float* gy) {
-  AxisTaps tx;
-  tx.lo = INT32_MAX, tx.hi = INT32_MIN;
+  constexpr int groups = Axis::size / 8;
+  Weights wx[groups], wy[groups];
+  alignas(32) float tx[Axis::size], ty[Axis::size], live_x[Axis::size], live_y[Axis::size];
+  alignas(32) std::int32_t col[Axis::size], row[Axis::size];
+  std::int32_t first = INT32_MAX, last = INT32_MIN;
   for (int i = 0; i < Axis::size; ++i) {
-    const Taps t = sampler.taps_x(x.metres[i]);
-    for (int k = 0; k < 4; ++k) tx.w[k][i] = t.w[k], tx.d[k][i] = t.d[k];
-    tx.first[i] = t.first;
-    tx.lo = std::min(tx.lo, t.first), tx.hi = std::max(tx.hi, t.first + 3);
+    const Place px = sampler.place_x(x.metres[i]), py = sampler.place_y(y.metres[i]);
+    tx[i] = px.t, ty[i] = py.t, live_x[i] = px.live, live_y[i] = py.live;
+    col[i] = px.first, row[i] = py.first;
+    first = std::min(first, px.first), last = std::max(last, px.first + 3);
   }
-  for (auto& f : tx.first) f -= tx.lo;
-  const int n = tx.hi - tx.lo + 1;
+  for (auto& c : col) c -= first;
+  for (int g = 0; g < groups; ++g) {
+    weigh(sampler.bicubic(), tx + 8 * g, live_x + 8 * g, slopes ? 1 : 0, wx[g]);
+    weigh(sampler.bicubic(), ty + 8 * g, live_y + 8 * g, slopes ? 1 : 0, wy[g]);
+  }
+  const int n = last - first + 1;
   std::vector<float> rows(static_cast<std::size_t>(2 * n));
   float* v = rows.data();
   float* vy = v + n;
   for (int j = 0; j < Columns::rows; ++j) {
-    const Taps ty = sampler.taps_y(y.metres[j]);
-    join_rows(sampler.raster().values, ty, ty.w, tx.lo, n, v);
-    if (slopes) join_rows(sampler.raster().values, ty, ty.d, tx.lo, n, vy);
+    join_rows(sampler.raster().values, row[j], wy[j / 8].w, j % 8, first, n, v);
+    if (slopes) join_rows(sampler.raster().values, row[j], wy[j / 8].d, j % 8, first, n, vy);
     for (int i = 0; i < Axis::size; i += static_cast<int>(lane_count())) {
-      const Lanes a0 = gathered(v, tx.first + i, 0), a1 = gathered(v, tx.first + i, 1),
-                  a2 = gathered(v, tx.first + i, 2), a3 = gathered(v, tx.first + i, 3);
-      const Lanes w0 = Lanes::load(tx.w[0] + i), w1 = Lanes::load(tx.w[1] + i), w2 = Lanes::load(tx.w[2] + i),
-                  w3 = Lanes::load(tx.w[3] + i);
+      const Weights& w = wx[i / 8];
+      const int l = i % 8;
+      const Lanes a0 = gathered(v, col + i, 0), a1 = gathered(v, col + i, 1), a2 = gathered(v, col + i, 2),
+                  a3 = gathered(v, col + i, 3);
+      const Lanes w0 = Lanes::load(w.w[0] + l), w1 = Lanes::load(w.w[1] + l), w2 = Lanes::load(w.w[2] + l),
+                  w3 = Lanes::load(w.w[3] + l);
       weighted(a0, a1, a2, a3, w0, w1, w2, w3).store(value + j * Columns::stride + i);
       if (!slopes) continue;
-      weighted(a0, a1, a2, a3, Lanes::load(tx.d[0] + i), Lanes::load(tx.d[1] + i), Lanes::load(tx.d[2] + i),
-               Lanes::load(tx.d[3] + i))
+      weighted(a0, a1, a2, a3, Lanes::load(w.d[0] + l), Lanes::load(w.d[1] + l), Lanes::load(w.d[2] + l),
+               Lanes::load(w.d[3] + l))
           .store(gx + j * Columns::stride + i);
-      weighted(gathered(vy, tx.first + i, 0), gathered(vy, tx.first + i, 1), gathered(vy, tx.first + i, 2),
-               gathered(vy, tx.first + i, 3), w0, w1, w2, w3)
+      weighted(gathered(vy, col + i, 0), gathered(vy, col + i, 1), gathered(vy, col + i, 2),
+               gathered(vy, col + i, 3), w0, w1, w2, w3)
           .store(gy + j * Columns::stride + i);
     }
   }
@@ -177,7 +212,7 @@ void domain_block(const DomainLeaf& leaf, const float* value, const Block& block
 /// Value and derivatives, per pixel, of a raster at eight points; [tap][lane].
 struct PointSamples {
   alignas(32) float v[4][8], vy[4][8], vyy[4][8];
-  alignas(32) float w[4][8], d[4][8], dd[4][8];
+  Weights x;
 };
 
 /// The 4 x 4 pixels under one point, and their rows joined by vertical weights.
@@ -189,19 +224,21 @@ struct Patch {
     const bool inside = col >= 0 && col + 4 <= grid.width();
     for (int r = 0; r < 4; ++r) {
       const float* pixels = grid.row(std::clamp(row + r, 0, grid.height() - 1));
-      rows[r] = pixels + col;
-      if (inside) continue;
+      if (inside) {
+        rows[r] = pixels + col;
+        continue;
+      }
       for (int c = 0; c < 4; ++c) edge[r][c] = pixels[std::clamp(col + c, 0, grid.width() - 1)];
       rows[r] = edge[r];
     }
   }
   /// The same chain of operations as weighted().
-  TAFONI_LANES_INLINE void join(const float (&w)[4], float (&out)[4][8], int lane) const {
+  TAFONI_LANES_INLINE void join(const float (&w)[4][8], float (&out)[4][8], int lane) const {
     const hn::CappedTag<float, 4> d;  // one lane where the machine has no vectors
     alignas(16) float four[4];
     for (std::size_t c = 0; c < 4; c += hn::Lanes(d)) {
-      auto sum = hn::Mul(hn::LoadU(d, rows[0] + c), hn::Set(d, w[0]));
-      for (int r = 1; r < 4; ++r) sum = hn::MulAdd(hn::LoadU(d, rows[r] + c), hn::Set(d, w[r]), sum);
+      auto sum = hn::Mul(hn::LoadU(d, rows[0] + c), hn::Set(d, w[0][lane]));
+      for (int r = 1; r < 4; ++r) sum = hn::MulAdd(hn::LoadU(d, rows[r] + c), hn::Set(d, w[r][lane]), sum);
       hn::Store(sum, d, four + c);
     }
     for (int c = 0; c < 4; ++c) out[c][lane] = four[c];
@@ -210,13 +247,21 @@ struct Patch {
 
 TAFONI_LANES_INLINE void sample_points(const Sampler& sampler, const Vec3d* p, int derivatives,
                                        PointSamples& s) {
+  alignas(32) float tx[8], ty[8], live_x[8], live_y[8];
+  std::int32_t col[8], row[8];
   for (int l = 0; l < 8; ++l) {
-    const Taps tx = sampler.taps_x(p[l].x), ty = sampler.taps_y(p[l].y);
-    const Patch patch(sampler.raster().values, tx.first, ty.first);
-    for (int k = 0; k < 4; ++k) s.w[k][l] = tx.w[k], s.d[k][l] = tx.d[k], s.dd[k][l] = tx.dd[k];
-    patch.join(ty.w, s.v, l);
-    if (derivatives >= 1) patch.join(ty.d, s.vy, l);
-    if (derivatives >= 2) patch.join(ty.dd, s.vyy, l);
+    const Place px = sampler.place_x(p[l].x), py = sampler.place_y(p[l].y);
+    tx[l] = px.t, ty[l] = py.t, live_x[l] = px.live, live_y[l] = py.live;
+    col[l] = px.first, row[l] = py.first;
+  }
+  Weights wy;
+  weigh(sampler.bicubic(), tx, live_x, derivatives, s.x);
+  weigh(sampler.bicubic(), ty, live_y, derivatives, wy);
+  for (int l = 0; l < 8; ++l) {
+    const Patch patch(sampler.raster().values, col[l], row[l]);
+    patch.join(wy.w, s.v, l);
+    if (derivatives >= 1) patch.join(wy.d, s.vy, l);
+    if (derivatives >= 2) patch.join(wy.dd, s.vyy, l);
   }
 }
 TAFONI_LANES_INLINE Lanes across(const float (&a)[4][8], const float (&w)[4][8], std::size_t l) {
@@ -229,9 +274,10 @@ void height_points(const HeightLeaf& leaf, const Vec3d* p, const PointLanes& lan
   sample_points(leaf.sampler, p, leaf.first_order ? 1 : 0, s);
   const Lanes sx(leaf.sampler.slope_x()), sy(leaf.sampler.slope_y());
   for (std::size_t l = 0; l < 8; l += lane_count()) {
-    const Lanes v = across(s.v, s.w, l) - metres_of(lanes.z + l, lanes.zr + l);
-    const Lanes c = leaf.first_order ? first_order_scale(across(s.v, s.d, l) * sx, across(s.vy, s.w, l) * sy)
-                                     : Lanes(1.f);
+    const Lanes v = across(s.v, s.x.w, l) - metres_of(lanes.z + l, lanes.zr + l);
+    const Lanes c = leaf.first_order
+                        ? first_order_scale(across(s.v, s.x.d, l) * sx, across(s.vy, s.x.w, l) * sy)
+                        : Lanes(1.f);
     sigma_lanes(leaf.sigma, v * c).store(f + l);
   }
 }
@@ -241,15 +287,15 @@ void height_gradients(const HeightLeaf& leaf, const Vec3d* p, const PointLanes& 
   sample_points(leaf.sampler, p, leaf.first_order ? 2 : 1, s);
   const Lanes sx(leaf.sampler.slope_x()), sy(leaf.sampler.slope_y()), one(1.f);
   for (std::size_t l = 0; l < 8; l += lane_count()) {
-    const Lanes v = across(s.v, s.w, l) - metres_of(lanes.z + l, lanes.zr + l);
-    const Lanes gx = across(s.v, s.d, l) * sx, gy = across(s.vy, s.w, l) * sy;
+    const Lanes v = across(s.v, s.x.w, l) - metres_of(lanes.z + l, lanes.zr + l);
+    const Lanes gx = across(s.v, s.x.d, l) * sx, gy = across(s.vy, s.x.w, l) * sy;
     const Lanes c = leaf.first_order ? first_order_scale(gx, gy) : one;
     const Lanes x = v * c, slope = sigma_slope(leaf.sigma, x);
     sigma_lanes(leaf.sigma, x).store(out.v + l);
     Lanes dx = c * gx, dy = c * gy;
     if (leaf.first_order) {  // grad(v c) = c grad v + v grad c, grad c = -c^3 (Hessian of h) (grad h)
-      const Lanes hxx = across(s.v, s.dd, l) * sx * sx, hxy = across(s.vy, s.d, l) * sx * sy,
-                  hyy = across(s.vyy, s.w, l) * sy * sy;
+      const Lanes hxx = across(s.v, s.x.dd, l) * sx * sx, hxy = across(s.vy, s.x.d, l) * sx * sy,
+                  hyy = across(s.vyy, s.x.w, l) * sy * sy;
       const Lanes k = v * c * c * c;
       dx = dx - k * (gx * hxx + gy * hxy);
       dy = dy - k * (gx * hxy + gy * hyy);
@@ -278,9 +324,9 @@ void domain_gradients(const DomainLeaf& leaf, const Vec3d* p, const PointLanes& 
   for (std::size_t l = 0; l < 8; l += lane_count()) {
     (metres_of(lanes.z + l, lanes.zr + l) - Lanes(static_cast<float>(leaf.domain.box.lo.z))).store(z + l);
     if (!leaf.inside) continue;
-    across(s.v, s.w, l).store(inside + l);
-    (across(s.v, s.d, l) * Lanes(leaf.inside->slope_x())).store(inside_x + l);
-    (across(s.vy, s.w, l) * Lanes(leaf.inside->slope_y())).store(inside_y + l);
+    across(s.v, s.x.w, l).store(inside + l);
+    (across(s.v, s.x.d, l) * Lanes(leaf.inside->slope_x())).store(inside_x + l);
+    (across(s.vy, s.x.w, l) * Lanes(leaf.inside->slope_y())).store(inside_y + l);
   }
   const Box3d& box = leaf.domain.box;
   for (int l = 0; l < 8; ++l) {
@@ -316,7 +362,7 @@ void domain_points(const DomainLeaf& leaf, const Vec3d* p, const PointLanes& lan
   for (int l = 0; l < 8; ++l) d[l] = rectangle_distance(leaf.domain.box, p[l].x, p[l].y);
   for (std::size_t l = 0; l < 8; l += lane_count()) {
     Lanes plane = Lanes::load(d + l);
-    if (leaf.inside) plane = min(across(s.v, s.w, l), plane);
+    if (leaf.inside) plane = min(across(s.v, s.x.w, l), plane);
     const Lanes z = metres_of(lanes.z + l, lanes.zr + l) - Lanes(static_cast<float>(leaf.domain.box.lo.z));
     sigma_lanes(leaf.sigma, corner_lanes(plane, z)).store(f + l);
   }

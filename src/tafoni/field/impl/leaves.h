@@ -21,10 +21,11 @@ struct Sigma {
   float operator()(float x) const;
 };
 
-/// The four taps of a sample along one axis, and their weights for value, slope and curvature.
-struct Taps {
-  std::int32_t first;  ///< of the four pixels, before clamping to the raster
-  float w[4], d[4], dd[4];
+/// Where a sample lies along one axis of a raster.
+struct Place {
+  std::int32_t first;  ///< of the four pixels it takes part of, before clamping to the raster
+  float t;             ///< in [0, 1), from the second pixel to the third
+  float live;          ///< 0 beyond the border pixel's centre, where the value continues unchanged; else 1
 };
 
 /// Interpolates a raster at any position; outside, the border pixel's value continues.
@@ -36,11 +37,12 @@ class Sampler {
   /// Slopes are per pixel; these turn them into per metre (north is up, rows go south).
   float slope_x() const { return slope_x_; }
   float slope_y() const { return slope_y_; }
-  Taps taps_x(double x) const {
-    return taps((x - raster_->placement.west) * inv_dx_ - 0.5, raster_->width());
+  bool bicubic() const { return bicubic_; }
+  Place place_x(double x) const {
+    return place((x - raster_->placement.west) * inv_dx_ - 0.5, raster_->width());
   }
-  Taps taps_y(double y) const {
-    return taps((raster_->placement.north - y) * inv_dy_ - 0.5, raster_->height());
+  Place place_y(double y) const {
+    return place((raster_->placement.north - y) * inv_dy_ - 0.5, raster_->height());
   }
 
   /// Least and greatest value, and the greatest slope, over a box in x and y.
@@ -51,7 +53,11 @@ class Sampler {
   Range range() const { return top_; }
 
  private:
-  Taps taps(double pixel, int size) const;
+  static Place place(double pixel, int size) {
+    const double clamped = std::clamp(pixel, 0.0, static_cast<double>(size - 1));
+    const auto whole = static_cast<std::int32_t>(clamped);  // floor: clamped is not negative
+    return {whole - 1, static_cast<float>(clamped - whole), clamped == pixel ? 1.f : 0.f};
+  }
   void build_pyramid();
   Range tile_range(int tile_x, int tile_y) const;
 

@@ -43,29 +43,6 @@ Sampler::Sampler(std::shared_ptr<const raster::Raster> raster, bool bicubic)
   build_pyramid();
 }
 
-Taps Sampler::taps(double pixel, int size) const {
-  const double clamped = std::clamp(pixel, 0.0, static_cast<double>(size - 1));
-  const auto whole = static_cast<std::int32_t>(clamped);  // floor: clamped is not negative
-  const float t = static_cast<float>(clamped - whole);
-  Taps taps;
-  taps.first = whole - 1;
-  if (bicubic_) {  // Catmull-Rom
-    const float t2 = t * t, t3 = t2 * t;
-    const float w[4] = {0.5f * (2 * t2 - t3 - t), 0.5f * (3 * t3 - 5 * t2 + 2), 0.5f * (4 * t2 - 3 * t3 + t),
-                        0.5f * (t3 - t2)};
-    const float d[4] = {0.5f * (4 * t - 3 * t2 - 1), 0.5f * (9 * t2 - 10 * t), 0.5f * (8 * t - 9 * t2 + 1),
-                        0.5f * (3 * t2 - 2 * t)};
-    const float dd[4] = {2 - 3 * t, 9 * t - 5, 4 - 9 * t, 3 * t - 1};
-    std::copy_n(w, 4, taps.w), std::copy_n(d, 4, taps.d), std::copy_n(dd, 4, taps.dd);
-  } else {
-    const float w[4] = {0, 1 - t, t, 0}, d[4] = {0, -1, 1, 0}, dd[4] = {0, 0, 0, 0};
-    std::copy_n(w, 4, taps.w), std::copy_n(d, 4, taps.d), std::copy_n(dd, 4, taps.dd);
-  }
-  // Beyond the border pixel's centre the value continues unchanged.
-  if (clamped != pixel) std::fill_n(taps.d, 4, 0.f), std::fill_n(taps.dd, 4, 0.f);
-  return taps;
-}
-
 Sampler::Range Sampler::tile_range(int tile_x, int tile_y) const {
   const auto& grid = raster_->values;
   const int x0 = std::max(tile_x * tile - 1, 0), x1 = std::min(tile_x * tile + tile + 2, grid.width() - 1);
