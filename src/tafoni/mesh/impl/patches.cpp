@@ -94,6 +94,7 @@ void Ownership::take(Patch& patch, std::uint32_t parent) {
 
 std::vector<Patch> cut(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
                        std::size_t wanted, double shift) {
+  if (triangles.empty()) return {};
   // A corner places a triangle as well as its middle does.
   Box3f box;
   for (const Triangle& t : triangles) box.expand(positions[t[0]]);

@@ -31,11 +31,12 @@ RTCRayHit ray_of(Vec3f from, Vec3f direction, float limit) {
 
 }  // namespace
 
-Tracer::Tracer(const mesh::Mesh& mesh, Progress& progress) {
+Tracer::Tracer(const mesh::Mesh& mesh, Progress& progress)
+    : device_(nullptr, &rtcReleaseDevice), scene_(nullptr, &rtcReleaseScene) {
   progress.begin("indexing triangles for the picture", mesh.triangles.size(), "triangles");
-  device_ = rtcNewDevice(nullptr);
+  device_.reset(rtcNewDevice(nullptr));
   if (!device_) fail(ErrorKind::internal, "Embree cannot start on this machine.");
-  RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+  RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
   // Embree reads 16 bytes at a vertex, so a buffer of its own, which it pads, is needed.
   void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                            sizeof(Vec3f), mesh.positions.size());
@@ -43,19 +44,17 @@ Tracer::Tracer(const mesh::Mesh& mesh, Progress& progress) {
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
                              sizeof(mesh.triangles[0]), mesh.triangles.size());
   rtcCommitGeometry(geometry);
-  scene_ = rtcNewScene(device_);
+  scene_.reset(rtcNewScene(device_.get()));
   const int flags = RTC_SCENE_FLAG_ROBUST | (mesh.triangles.size() > 8'000'000 ? RTC_SCENE_FLAG_COMPACT : 0);
-  rtcSetSceneFlags(scene_, static_cast<RTCSceneFlags>(flags));
-  rtcAttachGeometry(scene_, geometry);
+  rtcSetSceneFlags(scene_.get(), static_cast<RTCSceneFlags>(flags));
+  rtcAttachGeometry(scene_.get(), geometry);
   rtcReleaseGeometry(geometry);
-  rtcSetSceneProgressMonitorFunction(scene_, go_on, &progress);
+  rtcSetSceneProgressMonitorFunction(scene_.get(), go_on, &progress);
   // Joined from inside of our own loop, the build uses our threads and no others.
-  parallel_for(1, [&](std::int64_t) { rtcJoinCommitScene(scene_); });
-  rtcSetSceneProgressMonitorFunction(scene_, nullptr, nullptr);
-  const RTCError error = rtcGetDeviceError(device_);
+  parallel_for(1, [&](std::int64_t) { rtcJoinCommitScene(scene_.get()); });
+  rtcSetSceneProgressMonitorFunction(scene_.get(), nullptr, nullptr);
+  const RTCError error = rtcGetDeviceError(device_.get());
   if (error != RTC_ERROR_NONE) {
-    rtcReleaseScene(scene_);
-    rtcReleaseDevice(device_);
     progress.check();
     fail(ErrorKind::output, "The picture's ray tracing index cannot be built: {}.",
          error == RTC_ERROR_OUT_OF_MEMORY ? "out of memory; simplify the mesh" : "Embree reports an error");
@@ -64,16 +63,11 @@ Tracer::Tracer(const mesh::Mesh& mesh, Progress& progress) {
   progress.end();
 }
 
-Tracer::~Tracer() {
-  rtcReleaseScene(scene_);
-  rtcReleaseDevice(device_);
-}
-
 Hit Tracer::closest(Vec3f from, Vec3f direction, float limit) const {
   RTCRayHit query = ray_of(from, direction, limit);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcIntersect1(scene_, &context, &query);
+  rtcIntersect1(scene_.get(), &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   return {query.ray.tfar, query.hit.primID, query.hit.u, query.hit.v,
           normalized(Vec3f{query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z})};
@@ -83,7 +77,7 @@ bool Tracer::blocked(Vec3f from, Vec3f direction, float limit) const {
   RTCRayHit query = ray_of(from, direction, limit);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcOccluded1(scene_, &context, &query.ray);
+  rtcOccluded1(scene_.get(), &context, &query.ray);
   return query.ray.tfar < 0;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 
 #include "tafoni/core/progress.h"
 #include "tafoni/math/vec.h"
@@ -28,16 +29,14 @@ class Tracer {
  public:
   /// `positions` are copied, `triangles` are shared with the mesh.
   Tracer(const mesh::Mesh& mesh, Progress& progress);
-  ~Tracer();
-  Tracer(const Tracer&) = delete;
-  Tracer& operator=(const Tracer&) = delete;
 
   Hit closest(Vec3f from, Vec3f direction, float limit = far_away) const;
   bool blocked(Vec3f from, Vec3f direction, float limit = far_away) const;
 
  private:
-  RTCDeviceTy* device_ = nullptr;
-  RTCSceneTy* scene_ = nullptr;
+  // Owned each by itself: a cancelled constructor must free them too. The scene goes before its device.
+  std::unique_ptr<RTCDeviceTy, void (*)(RTCDeviceTy*)> device_;
+  std::unique_ptr<RTCSceneTy, void (*)(RTCSceneTy*)> scene_;
 };
 
 }  // namespace tafoni::render::impl
