@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "tafoni/field/operators/difference.cpp"
 #include <hwy/foreach_target.h>
 // foreach_target must come before what it compiles again.
+#include "tafoni/field/impl/kernel_table.h"
 #include "tafoni/field/impl/operator-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -26,17 +27,7 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace tafoni::field {
-namespace impl {
-HWY_EXPORT(difference_kernels);
-}
-namespace {
-
-const impl::OperatorKernels& kernels() {
-  static const impl::OperatorKernels table = HWY_DYNAMIC_DISPATCH(impl::difference_kernels)();
-  return table;
-}
-
-}  // namespace
+TAFONI_KERNEL_TABLE(OperatorKernels, difference)
 
 const OperatorType& operator_difference() {
   static const OperatorType type{

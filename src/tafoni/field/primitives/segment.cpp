@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "tafoni/field/primitives/segment.cpp"
 #include <hwy/foreach_target.h>
 // foreach_target must come before what it compiles again.
+#include "tafoni/field/impl/kernel_table.h"
 #include "tafoni/field/impl/primitive-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -31,19 +32,12 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace tafoni::field {
-namespace impl {
-HWY_EXPORT(segment_kernels);
-}
+TAFONI_KERNEL_TABLE(PrimitiveKernels, segment)
 namespace {
 
 struct Params {
   double radius = 5, dx = 10, dy = 0, dz = 0;
 };
-
-const impl::PrimitiveKernels& kernels() {
-  static const impl::PrimitiveKernels table = HWY_DYNAMIC_DISPATCH(impl::segment_kernels)();
-  return table;
-}
 
 }  // namespace
 
