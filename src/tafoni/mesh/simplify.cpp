@@ -26,13 +26,13 @@ std::vector<Triangle> joined(const std::vector<Patch>& patches) {
 
 void collapse_all(std::span<const Vec3f> positions, const impl::Ownership& ownership,
                   std::vector<Patch>& patches, double error, Progress& progress) {
-  std::vector<std::size_t> todo;
+  std::vector<std::size_t> unfinished;
   for (std::size_t p = 0; p < patches.size(); ++p)
-    if (!patches[p].done) todo.push_back(p);
+    if (!patches[p].done) unfinished.push_back(p);
   parallel_for(
-      static_cast<std::int64_t>(todo.size()),
+      static_cast<std::int64_t>(unfinished.size()),
       [&](std::int64_t at) {
-        Patch& patch = patches[todo[static_cast<std::size_t>(at)]];
+        Patch& patch = patches[unfinished[static_cast<std::size_t>(at)]];
         impl::collapse(positions, ownership, patch, std::ldexp(error, -patch.halvings));
       },
       progress);
