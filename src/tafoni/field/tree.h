@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tafoni/field/function.h"
 #include "tafoni/math/vec.h"
 #include "tafoni/raster/grid.h"
 
@@ -91,6 +92,46 @@ void add_curve(CloudBuilder& cloud, std::span<const Vec3d> points, double radius
 /// "difference" (min(a, -b)). Takes at least one child; one child alone is returned as it is.
 /// Blending a cloud adds its primitives one by one, in the cloud's order, to what stands before it.
 NodePtr combine(std::string_view op, std::vector<NodePtr> children);
+
+/// a (1 - alpha) + b alpha (document 004); alpha in [0, 1].
+NodePtr morph(NodePtr a, NodePtr b, double alpha);
+
+/// A leaf with the function's own values, in metres.
+NodePtr function(FunctionPtr f);
+/// A tree's values, clamped to [lo, hi]: a control field for warp() and erode() made of primitives.
+FunctionPtr as_function(const NodePtr& tree, float lo = 0, float hi = 1);
+
+/// f - depth * control * (1 - resistance) (document 003, section 5.3, in metres). `control` in [0, 1], null
+/// for 1 everywhere; exactly 0 where nothing shall happen. A depth below the terrain's T leaves deep rock
+/// solid.
+NodePtr erode(NodePtr below, FunctionPtr control, FunctionPtr resistance, double depth);
+
+/// Displacement of a warp: three independent normalised fBm in [-1, 1], each times its amplitude.
+struct WarpSettings {
+  Vec3d amplitude{2, 2, 1};  ///< metres; greatest displacement along each axis
+  double lateral = 20;       ///< wavelength along x and y, metres
+  double vertical = 20;      ///< wavelength along z, metres
+  int octaves = 3;
+  std::uint64_t seed = 0;
+};
+/// f(p + delta(p) control(p)) (document 003, section 5.3). `control` as in erode().
+NodePtr warp(NodePtr below, FunctionPtr control, const WarpSettings& settings);
+
+/// Where a copy stands: p_placed = position + scale * Rz(turn) Ry(tilt) p_own.
+struct Placement {
+  Vec3d position;
+  double turn = 0, tilt = 0;  ///< radians: about z, counter-clockwise from above, after about y
+  double scale = 1;           ///< lengths and field values alike, so that the field stays in metres
+};
+/// The tree moved, turned and scaled.
+NodePtr transform(NodePtr tree, const Placement& placement);
+/// The sum of copies of a tree of compact support (support() is bounded), at 64 bytes a copy or less. Copies
+/// are found by an index; they add up in an order that does not depend on the order given.
+NodePtr instances(NodePtr shape, std::span<const Placement> placements);
+
+/// A box outside of which the tree is exactly 0; everything where there is no such box. Empty for a tree that
+/// is 0.
+Box3d support(const NodePtr& tree);
 
 struct TreeStats {
   std::uint64_t nodes = 0;  ///< primitives, operators and heightfields, as document 003's #N counts

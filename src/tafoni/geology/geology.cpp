@@ -15,7 +15,28 @@ double clamped(double rho) {
   return std::clamp(rho, 0.0, 1.0);
 }
 
+class Resistance final : public field::Function {
+ public:
+  explicit Resistance(GeologyPtr geology) : geology_(std::move(geology)) {}
+  void values(std::span<const Vec3d> points, std::span<float> out) const override {
+    std::array<double, block> rho;
+    for (std::size_t i = 0; i < points.size(); i += block) {
+      const std::size_t n = std::min(block, points.size() - i);
+      geology_->raws(points.subspan(i, n), std::span(rho).first(n));
+      for (std::size_t k = 0; k < n; ++k) out[i + k] = static_cast<float>(clamped(rho[k]));
+    }
+  }
+  Interval range(const Box3d&) const override { return {0, 1}; }
+
+ private:
+  GeologyPtr geology_;
+};
+
 }  // namespace
+
+field::FunctionPtr as_function(GeologyPtr geology) {
+  return geology ? std::make_shared<const Resistance>(std::move(geology)) : nullptr;
+}
 
 void Geology::raws(std::span<const Vec3d> points, std::span<double> out) const {
   for (std::size_t i = 0; i < points.size(); ++i) out[i] = raw(points[i]);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 
+#include "tafoni/field/function.h"
 #include "tafoni/math/vec.h"
 
 namespace tafoni::geology {
@@ -23,5 +24,8 @@ class Geology {
   void resistances(std::span<const Vec3d> points, std::span<float> out) const;
 };
 using GeologyPtr = std::shared_ptr<const Geology>;
+
+/// The clamped resistance as a function that trees can hold.
+field::FunctionPtr as_function(GeologyPtr geology);
 
 }  // namespace tafoni::geology

@@ -1,6 +1,7 @@
 #pragma once
 // What the program knows of a landform generator: a declaration and one pure function.
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,17 +24,24 @@ struct Site {
   const raster::Grid<std::uint8_t>* valid = nullptr;  ///< 1 where heights are real data; null: everywhere
   double influence = 15, amplitude = 7.5;             ///< R and T of the terrain
   field::NodePtr terrain;                             ///< the tree so far, earlier layers included
-  const geology::Geology* geology = nullptr;
-  const Region* region = nullptr;  ///< where the landform may act; null: everywhere
-  std::vector<Vec3d> points;       ///< user's seeds, local
+  geology::GeologyPtr geology;                        ///< null: half resistant everywhere
+  const Region* region = nullptr;                     ///< where the landform may act; null: everywhere
+  std::vector<Vec3d> points;                          ///< user's seeds, local
   std::uint64_t seed = 0;
 };
 
-/// What a generator made: nodes to blend onto the tree in this order, and facts for the report.
+/// What a generator made. The tree that the next layer meets is
+/// combine("blend", {reshape ? reshape(tree) : tree, nodes...}).
 struct Result {
-  std::vector<field::NodePtr> nodes;
+  /// A change of the tree that is more than a sum: a union with a solid, a warp, an erosion node. Pure.
+  std::function<field::NodePtr(field::NodePtr)> reshape;
+  Box3d reshaped;  ///< local; outside of it reshape() changes no value. Empty: nothing reshaped
+  std::vector<field::NodePtr> nodes;  ///< blended, in this order
   std::vector<std::pair<std::string, Value>> report;
 };
+
+/// The tree with a landform on it.
+field::NodePtr applied(const field::NodePtr& tree, const Result& result);
 
 struct LandformType {
   std::string name, doc, source;

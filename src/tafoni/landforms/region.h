@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "tafoni/field/function.h"
 #include "tafoni/math/vec.h"
 #include "tafoni/raster/grid.h"
 
@@ -34,5 +35,9 @@ class Region {
   std::vector<std::vector<Ring>> polygons_;
   std::vector<std::shared_ptr<const raster::Raster>> masks_;
 };
+
+/// A region's weight as a control field that falls to 0 over `fade` metres inside its limits, so that what it
+/// controls has no step there. Null for a null region.
+field::FunctionPtr as_function(const Region* region, double fade);
 
 }  // namespace tafoni::landforms

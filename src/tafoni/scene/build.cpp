@@ -131,7 +131,7 @@ LayerResult run_layer(const Layer& layer, std::size_t index, const BuiltScene& s
   const auto region = region_of(layer, scene);
   const Vec3d o = scene.terrain.origin;
   if (layer.type == primitives_layer) {
-    result.nodes = read_primitives(layer, scene, region ? &*region : nullptr);
+    result.made.nodes = read_primitives(layer, scene, region ? &*region : nullptr);
   } else {
     landforms::Site site;
     site.origin = o;
@@ -141,7 +141,7 @@ LayerResult run_layer(const Layer& layer, std::size_t index, const BuiltScene& s
     site.amplitude = scene.settings.amplitude;
     // Without the domain, whose walls are no cliffs.
     site.terrain = scene.open;
-    site.geology = scene.geology.get();
+    site.geology = scene.geology;
     site.region = region ? &*region : nullptr;
     if (!layer.settings.points.empty()) {
       const auto file = scene.document.resolved(layer.settings.points);
@@ -150,19 +150,10 @@ LayerResult run_layer(const Layer& layer, std::size_t index, const BuiltScene& s
     site.seed = layer.settings.seed >= 0
                     ? static_cast<std::uint64_t>(layer.settings.seed)
                     : hash_combine(static_cast<std::uint64_t>(scene.document.scene.seed), index + 1);
-    landforms::Result made = landforms::find_landform(layer.type).generate(site, layer.values, progress);
-    result.nodes = std::move(made.nodes);
-    result.report = std::move(made.report);
+    result.made = landforms::find_landform(layer.type).generate(site, layer.values, progress);
   }
   result.seconds = watch.seconds();
   return result;
-}
-
-field::NodePtr blended(const field::NodePtr& tree, const std::vector<field::NodePtr>& nodes) {
-  if (nodes.empty()) return tree;
-  std::vector<field::NodePtr> children = {tree};
-  children.insert(children.end(), nodes.begin(), nodes.end());
-  return field::combine("blend", std::move(children));
 }
 
 void run_layers(BuiltScene& scene, Progress& progress) {
@@ -176,8 +167,7 @@ void run_layers(BuiltScene& scene, Progress& progress) {
       const std::string& name = layer.settings.name.empty() ? layer.type : layer.settings.name;
       fail(error.kind(), "layer {}: {}", name, error.what());
     }
-    scene.open = blended(scene.open, scene.layers.back().nodes);
-    scene.solid = blended(scene.solid, scene.layers.back().nodes);
+    scene.open = landforms::applied(scene.open, scene.layers.back().made);
     scene.seconds.emplace_back(scene.layers.back().name, scene.layers.back().seconds);
   }
 }
@@ -234,11 +224,12 @@ BuiltScene build(const Document& document, Progress& progress) {
     options.polygons = io::read_polygons(document.resolved(document.terrain.domain), scene.crs);
   scene.terrain = terrain::make_terrain(raster, scene.voxel, options, progress);
   scene.open = field::heightfield(scene.terrain.heights, scene.settings);
-  scene.solid = terrain::terrain_tree(scene.terrain, scene.settings);
   scene.geology = make_geology(document, scene.terrain.origin);
   scene.seconds.emplace_back("terrain", watch.seconds());
 
   run_layers(scene, progress);
+  scene.solid =
+      field::combine("intersection", {scene.open, terrain::domain_tree(scene.terrain, scene.settings)});
   return scene;
 }
 

@@ -11,6 +11,7 @@
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/tree.h"
 #include "tafoni/geology/geology.h"
+#include "tafoni/landforms/landform.h"
 #include "tafoni/mesh/polygonize.h"
 #include "tafoni/scene/document.h"
 #include "tafoni/terrain/terrain.h"
@@ -21,8 +22,7 @@ namespace tafoni::scene {
 struct LayerResult {
   std::string name;  ///< its own or its type's
   std::string type;
-  std::vector<field::NodePtr> nodes;                  ///< blended onto the tree, in this order
-  std::vector<std::pair<std::string, Value>> report;  ///< facts the landform tells
+  landforms::Result made;  ///< what it does to the tree, and facts
   double seconds = 0;
 };
 
@@ -35,8 +35,8 @@ struct BuiltScene {
   field::TerrainSettings settings;
   geology::GeologyPtr geology;
   std::vector<LayerResult> layers;                      ///< those enabled
-  field::NodePtr solid;                                 ///< min(f_T, f_P) + layers
-  field::NodePtr open;                                  ///< f_T + layers
+  field::NodePtr open;                                  ///< f_T and the layers
+  field::NodePtr solid;                                 ///< the same, cut to the domain: min(open, f_P)
   std::vector<std::pair<std::string, double>> seconds;  ///< by stage
 
   const field::NodePtr& tree(mesh::Boundary boundary) const {

@@ -23,9 +23,9 @@ Json layers_json(const BuiltScene& scene) {
   for (const LayerResult& layer : scene.layers) {
     Json entry = {{"name", layer.name}, {"type", layer.type}, {"seconds", layer.seconds}};
     std::uint64_t primitives = 0;
-    for (const auto& node : layer.nodes) primitives += field::stats(node).primitives;
+    for (const auto& node : layer.made.nodes) primitives += field::stats(node).primitives;
     entry["primitives"] = primitives;
-    for (const auto& [name, value] : layer.report) {
+    for (const auto& [name, value] : layer.made.report) {
       std::string key = name;
       std::replace(key.begin(), key.end(), ' ', '_');
       entry[key] = to_json(value);

@@ -101,9 +101,13 @@ Terrain make_terrain(const Raster& world, double voxel, const TerrainOptions& op
   return out;
 }
 
+field::NodePtr domain_tree(const Terrain& terrain, const field::TerrainSettings& settings) {
+  return field::domain({terrain.box, terrain.inside}, settings);
+}
+
 field::NodePtr terrain_tree(const Terrain& terrain, const field::TerrainSettings& settings) {
-  return field::combine("intersection", {field::heightfield(terrain.heights, settings),
-                                         field::domain({terrain.box, terrain.inside}, settings)});
+  return field::combine("intersection",
+                        {field::heightfield(terrain.heights, settings), domain_tree(terrain, settings)});
 }
 
 }  // namespace tafoni::terrain

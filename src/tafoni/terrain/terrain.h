@@ -45,6 +45,8 @@ struct TerrainOptions {
 Terrain make_terrain(const raster::Raster& world, double voxel, const TerrainOptions& options = {},
                      Progress& progress = silent());
 
+/// f_P: the prism of the terrain's domain.
+field::NodePtr domain_tree(const Terrain& terrain, const field::TerrainSettings& settings);
 /// min(f_T, f_P).
 field::NodePtr terrain_tree(const Terrain& terrain, const field::TerrainSettings& settings);
 

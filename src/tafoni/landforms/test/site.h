@@ -31,7 +31,7 @@ struct Coast {
   explicit Coast(
       std::function<double(Vec3d)> rho = [](Vec3d) { return 0.3; },
       std::function<double(double, double)> elevation = nullptr)
-      : rock(std::move(rho)) {
+      : rock(std::make_shared<const Rock>(std::move(rho))) {
     auto raster = std::make_shared<raster::Raster>();
     raster->placement = {-width / 2.0, height / 2.0, 1, 1};
     raster->values = raster::Grid<float>(width, height);
@@ -48,18 +48,16 @@ struct Coast {
     site.origin = {500000, 4000000, 0};
     site.heights = raster;
     site.terrain = field::heightfield(raster, {});
-    site.geology = &rock;
+    site.geology = rock;
     site.seed = 5;
   }
 
-  Rock rock;
+  geology::GeologyPtr rock;
   Site site;
 };
 
 inline field::CompiledField carved(const Site& site, const Result& result) {
-  std::vector<field::NodePtr> nodes = {site.terrain};
-  nodes.insert(nodes.end(), result.nodes.begin(), result.nodes.end());
-  return field::compile(field::combine("blend", std::move(nodes)));
+  return field::compile(applied(site.terrain, result));
 }
 
 /// Random places in a box.

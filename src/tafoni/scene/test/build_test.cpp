@@ -119,7 +119,7 @@ TEST_F(BuildScene, AMaskLimitsALayer) {
   write("m.asc", "ncols 4\nnrows 4\nxllcorner 0\nyllcorner 0\ncellsize 40\n" + rows);
   const BuiltScene s = build(scene("[[layer]]\ntype = \"primitives\"\nfile = \"p.csv\"\nmask = \"m.asc\"\n"));
   ASSERT_EQ(s.layers.size(), 1u);
-  EXPECT_EQ(field::stats(s.layers[0].nodes.at(0)).primitives, 1u);
+  EXPECT_EQ(field::stats(s.layers[0].made.nodes.at(0)).primitives, 1u);
 }
 
 TEST_F(BuildScene, SeedsDecideAndLayersDoNotDisturbOneAnother) {

@@ -1,0 +1,27 @@
+#pragma once
+// A scalar function of position given from outside the tree: a geology, a region, a sampled volume.
+
+#include <limits>
+#include <memory>
+#include <span>
+
+#include "tafoni/math/vec.h"
+
+namespace tafoni::field {
+
+/// Immutable and safe to ask from any number of threads. Positions are local metres.
+class Function {
+ public:
+  virtual ~Function() = default;
+  /// out[i] is the value at points[i]: finite, and the same bits whatever other points are asked along with
+  /// it.
+  virtual void values(std::span<const Vec3d> points, std::span<float> out) const = 0;
+  /// Per metre. Unless overridden, central differences over step() on either side, in double positions.
+  virtual void gradients(std::span<const Vec3d> points, std::span<Vec3f> out) const;
+  virtual double step() const { return 0.05; }
+  /// Encloses every value over the box. The tighter, the more is pruned.
+  virtual Interval range(const Box3d& box) const = 0;
+};
+using FunctionPtr = std::shared_ptr<const Function>;
+
+}  // namespace tafoni::field
