@@ -123,7 +123,7 @@ std::vector<field::NodePtr> read_primitives(const Layer& layer, const BuiltScene
   return nodes;
 }
 
-LayerResult run_layer(const Layer& layer, std::size_t index, const BuiltScene& scene, Progress& progress) {
+LayerResult run_layer(const Layer& layer, std::uint64_t seed, const BuiltScene& scene, Progress& progress) {
   const Stopwatch watch;
   LayerResult result;
   result.type = layer.type;
@@ -147,9 +147,7 @@ LayerResult run_layer(const Layer& layer, std::size_t index, const BuiltScene& s
       const auto file = scene.document.resolved(layer.settings.points);
       for (Vec3d p : parse_points_csv(read_text(file), file.string())) site.points.push_back(p - o);
     }
-    site.seed = layer.settings.seed >= 0
-                    ? static_cast<std::uint64_t>(layer.settings.seed)
-                    : hash_combine(static_cast<std::uint64_t>(scene.document.scene.seed), index + 1);
+    site.seed = seed;
     result.made = landforms::find_landform(layer.type).generate(site, layer.values, progress);
   }
   result.seconds = watch.seconds();
@@ -161,7 +159,7 @@ void run_layers(BuiltScene& scene, Progress& progress) {
     const Layer& layer = scene.document.layers[i];
     if (!layer.settings.enabled) continue;
     try {
-      scene.layers.push_back(run_layer(layer, i, scene, progress));
+      scene.layers.push_back(run_layer(layer, layer_seed(scene.document, i), scene, progress));
     } catch (const Error& error) {
       if (error.kind() == ErrorKind::cancelled) throw;
       const std::string& name = layer.settings.name.empty() ? layer.type : layer.settings.name;
@@ -184,6 +182,22 @@ double default_voxel(const raster::Raster& raster, double influence) {
     if (std::abs(std::log(decade * digit / wanted)) < std::abs(std::log(best / wanted)))
       best = decade * digit;
   return best;
+}
+
+std::uint64_t layer_seed(const Document& document, std::size_t index) {
+  const Layer& layer = document.layers[index];
+  if (layer.settings.seed >= 0) return static_cast<std::uint64_t>(layer.settings.seed);
+  std::uint64_t seed = static_cast<std::uint64_t>(document.scene.seed);
+  for (const std::string* word : {&layer.type, &layer.settings.name}) {
+    for (const char c : *word) seed = hash_combine(seed, static_cast<unsigned char>(c));
+    seed = hash_combine(seed, word->size());
+  }
+  const auto alike = [&](const Layer& other) {
+    return other.type == layer.type && other.settings.name == layer.settings.name;
+  };
+  const auto begin = document.layers.begin();
+  return hash_combine(seed, static_cast<std::uint64_t>(
+                                std::count_if(begin, begin + static_cast<std::ptrdiff_t>(index), alike)));
 }
 
 std::optional<double> sea_level(const Document& document) {

@@ -1,6 +1,7 @@
 #pragma once
 // From a document to a field: elevation model, terrain, geology, layers in order.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -54,6 +55,11 @@ BuiltScene build(const Document& document, Progress& progress = silent());
 /// A round voxel size for a raster: a pixel, or a tenth of R where pixels are coarser than what landforms
 /// carve, but not so small that the whole is more than about 1,200 cells a side.
 double default_voxel(const raster::Raster& raster, double influence);
+
+/// The seed of layers[index]: its own, or one made from the scene's seed, the layer's type and name, and how
+/// many layers of the same type and name stand before it, muted or not. So it stays the same when other
+/// layers are added, muted or moved.
+std::uint64_t layer_seed(const Document& document, std::size_t index);
 
 /// The scene's sea level as a world elevation: what the first enabled layer that knows one says.
 std::optional<double> sea_level(const Document& document);

@@ -69,7 +69,7 @@ const std::vector<ParamInfo>& layer_params() {
           .text("mask", &S::mask, "Path of a raster; the layer acts where it is above 0, by its weight")
           .text("points", &S::points, "Path of a CSV (x,y,z) of seed points in the scene's CRS")
           .integer("seed", &S::seed, "", -1, std::int64_t{1} << 53,
-                   "The layer's own seed; -1 makes it from the scene's seed and the layer's place");
+                   "The layer's own seed; -1 makes it from the scene's seed and the layer's type and name");
   return params;
 }
 

@@ -58,7 +58,7 @@ struct LayerSettings {
   std::vector<double> box;       ///< west, south, bottom, east, north, top: scene CRS
   std::string mask;              ///< path of a raster
   std::string points;            ///< path of a CSV of seed points
-  std::int64_t seed = -1;        ///< -1: made from the scene's seed and the layer's place
+  std::int64_t seed = -1;        ///< -1: made from the scene's seed, the layer's type and name
 };
 const std::vector<ParamInfo>& layer_params();
 

@@ -132,6 +132,19 @@ TEST_F(BuildScene, SeedsDecideAndLayersDoNotDisturbOneAnother) {
   EXPECT_GT(std::count_if(once.begin(), once.end(), [](double v) { return v != 0; }), 0);
 }
 
+TEST_F(BuildScene, SeedsFollowTheirLayers) {
+  const std::string cliff = "[[layer]]\ntype = \"sea-cliff\"\n", karst = "[[layer]]\ntype = \"karst\"\n";
+  const std::string named = karst + "name = \"deep\"\n";
+  const auto seed = [&](const std::string& layers, std::size_t i) { return layer_seed(scene(layers), i); };
+  EXPECT_EQ(seed(cliff + karst, 1), seed(karst + cliff, 0));
+  EXPECT_EQ(seed(karst + named + karst, 2), seed(karst + karst, 1));
+  EXPECT_EQ(seed(karst + "enabled = false\n" + karst, 1), seed(karst + karst, 1));
+  EXPECT_EQ(seed(karst + "seed = 4\n" + karst, 0), 4u);
+  EXPECT_NE(seed(karst + karst, 0), seed(karst + karst, 1));
+  EXPECT_NE(seed(karst + named, 0), seed(karst + named, 1));
+  EXPECT_NE(seed(cliff, 0), seed(karst, 0));
+}
+
 TEST_F(BuildScene, OpenAndSolidAgreeInsideTheDomain) {
   const BuiltScene s = build(scene("[[layer]]\ntype = \"sea-cliff\"\n"));
   const auto open = s.field_for(mesh::Boundary::open), solid = s.field_for(mesh::Boundary::solid);
