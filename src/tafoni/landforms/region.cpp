@@ -5,23 +5,14 @@
 #include <limits>
 #include <utility>
 
+#include "tafoni/landforms/impl/control.h"
+#include "tafoni/landforms/impl/outline.h"
 #include "tafoni/raster/resample.h"
 
 namespace tafoni::landforms {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// Even-odd over all rings together, so that a hole is just another ring.
-bool inside(const std::vector<Ring>& rings, Vec3d p) {
-  bool odd = false;
-  for (const Ring& ring : rings)
-    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-      const Vec2d a = ring[i], b = ring[j];
-      if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * ((p.y - a.y) / (b.y - a.y))) odd = !odd;
-    }
-  return odd;
-}
 
 bool covers(const raster::Raster& mask, Vec3d p) {
   const Vec2d at = mask.placement.pixel(p.x, p.y);
@@ -49,8 +40,8 @@ void Region::limit_box(const Box3d& box) {
   boxes_.push_back(box);
 }
 
-void Region::limit_polygon(std::vector<Ring> rings) {
-  polygons_.push_back(std::move(rings));
+void Region::limit_polygon(const std::vector<Ring>& rings) {
+  polygons_.push_back(std::make_shared<const impl::Outline>(rings));
 }
 
 void Region::limit_mask(std::shared_ptr<const raster::Raster> mask) {
@@ -69,8 +60,8 @@ double Region::weight(Vec3d p) const {
     if (!(value > 0)) return 0;
     weight *= std::min(value, 1.0);
   }
-  for (const auto& rings : polygons_)
-    if (!inside(rings, p)) return 0;
+  for (const auto& outline : polygons_)
+    if (!outline->inside({p.x, p.y})) return 0;
   return weight;
 }
 
@@ -82,14 +73,27 @@ Box3d Region::bounds() const {
   }
   for (const Box3d& box : boxes_) intersect(all, box);
   for (const auto& mask : masks_) intersect(all, extent(*mask));
-  for (const auto& rings : polygons_) {
-    Box3d box;
-    for (const Ring& ring : rings)
-      for (Vec2d p : ring) box.expand(Vec3d{p.x, p.y, 0});
+  for (const auto& outline : polygons_) {
+    const Box3d box = outline->bounds();
     if (box.empty()) return {};
     intersect(all, {{box.lo.x, box.lo.y, -infinity}, {box.hi.x, box.hi.y, infinity}});
   }
   return all;
+}
+
+field::FunctionPtr as_function(const Region* region, double fade) {
+  if (!region) return nullptr;
+  std::vector<impl::ControlPtr> parts;
+  for (const Region::Altitude& range : region->altitudes_)
+    parts.push_back(
+        impl::box_control({{-infinity, -infinity, range.lo}, {infinity, infinity, range.hi}}, fade));
+  for (const Box3d& box : region->boxes_) parts.push_back(impl::box_control(box, fade));
+  for (const auto& outline : region->polygons_) parts.push_back(impl::outline_control(outline, fade));
+  for (const auto& mask : region->masks_) {
+    parts.push_back(impl::mask_control(*mask));
+    parts.push_back(impl::box_control(extent(*mask), fade));
+  }
+  return impl::product(std::move(parts));
 }
 
 }  // namespace tafoni::landforms

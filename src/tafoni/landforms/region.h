@@ -13,12 +13,23 @@ namespace tafoni::landforms {
 /// A closed ring of a polygon; holes and islands by the even-odd rule. Local metres.
 using Ring = std::vector<Vec2d>;
 
+namespace impl {
+class Outline;
+}
+class Region;
+
+/// A region's weight as a control field in [0, 1], continuous for fade > 0: it rises from 0 at altitude
+/// limits, boxes, rings, the rim of a mask and its pixels without data to the weight of the masks `fade`
+/// metres inside them. Exactly 0 wherever the weight is 0; range() says so of whole boxes. Null for a null
+/// region.
+field::FunctionPtr as_function(const Region* region, double fade);
+
 /// The intersection of the parts that are given. Weight in [0, 1]: 0 outside.
 class Region {
  public:
   void limit_altitude(double lo, double hi);  ///< local z
   void limit_box(const Box3d& box);           ///< local
-  void limit_polygon(std::vector<Ring> rings);
+  void limit_polygon(const std::vector<Ring>& rings);
   void limit_mask(
       std::shared_ptr<const raster::Raster> mask);  ///< bilinear; values clamped to [0, 1]; NaN: 0
   double weight(Vec3d p) const;
@@ -27,17 +38,14 @@ class Region {
   Box3d bounds() const;
 
  private:
+  friend field::FunctionPtr as_function(const Region*, double);
   struct Altitude {
     double lo, hi;
   };
   std::vector<Altitude> altitudes_;
   std::vector<Box3d> boxes_;
-  std::vector<std::vector<Ring>> polygons_;
+  std::vector<std::shared_ptr<const impl::Outline>> polygons_;
   std::vector<std::shared_ptr<const raster::Raster>> masks_;
 };
-
-/// A region's weight as a control field that falls to 0 over `fade` metres inside its limits, so that what it
-/// controls has no step there. Null for a null region.
-field::FunctionPtr as_function(const Region* region, double fade);
 
 }  // namespace tafoni::landforms
