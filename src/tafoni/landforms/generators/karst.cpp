@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/impl/ground.h"
 #include "tafoni/landforms/impl/passages.h"
@@ -36,6 +37,8 @@ struct Params {
   double threshold = 0.12;
   double roughness = 0.5;
   double winding = 0.5;
+  double chambers = 0.5;
+  std::vector<double> springs;
 };
 
 const ParamTable<Params>& table() {
@@ -68,7 +71,11 @@ const ParamTable<Params>& table() {
         .real("threshold", &Params::threshold, "", 0, 1,
               "dead ends with a smaller erosion effect are left out")
         .real("roughness", &Params::roughness, "", 0, 1, "unevenness of the walls")
-        .real("winding", &Params::winding, "", 0, 1, "how far passages wind off the straight line");
+        .real("winding", &Params::winding, "", 0, 1, "how far passages wind off the straight line")
+        .real("chambers", &Params::chambers, "", 0, 1,
+              "how often rooms break out where ways meet or the rock is weak, 0 for none")
+        .numbers("springs", &Params::springs, "m", 0, -1e8, 1e8,
+                 "x, y, z of each place where the water shall come to light again");
     return t;
   }();
   return params;
@@ -100,7 +107,7 @@ class Karst {
     water.face_z = std::cos(0.8 * p_.face_slope * degree);
     water.points_per_seed = static_cast<std::size_t>(std::max(2.0, p_.passage / (1.2 * spacing_)));
     water.seed = ground_.site().seed;
-    const auto percolation = impl::percolate(field_, ground_, start, water, progress_);
+    const auto percolation = impl::percolate(field_, ground_, start, springs(), water, progress_);
     return carve(percolation);
   }
 
@@ -109,14 +116,35 @@ class Karst {
   std::vector<Vec3d> seeds() {
     std::vector<Vec3d> all;
     for (Vec3d p : ground_.site().points) {
-      if (field_.value(p) < 0) p.z = std::min(p.z, ground_.height(p.x, p.y));
+      if (field_.value(p) < 0) p = below(p);
       if (ground_.usable(p)) all.push_back(p);
     }
     SpatialHash apart(6 * spacing_);
     for (Vec3d p : all) apart.insert(p);
-    add_apart(sinks(), static_cast<std::size_t>(p_.sinks), apart, all);
-    add_apart(faces(), static_cast<std::size_t>(p_.faces), apart, all);
+    if (p_.sinks > 0 || p_.faces > 0) survey();
+    if (p_.sinks > 0) add_apart(sinks(), static_cast<std::size_t>(p_.sinks), apart, all);
+    if (p_.faces > 0) add_apart(faces(), static_cast<std::size_t>(p_.faces), apart, all);
     return all;
+  }
+
+  std::vector<Vec3d> springs() const {
+    if (p_.springs.size() % 3 != 0)
+      fail(ErrorKind::usage,
+           "karst: springs needs x, y and z for each spring, so a multiple of three numbers");
+    std::vector<Vec3d> all;
+    for (std::size_t i = 0; i + 2 < p_.springs.size(); i += 3) {
+      const Vec3d p =
+          on_surface(Vec3d{p_.springs[i], p_.springs[i + 1], p_.springs[i + 2]} - ground_.site().origin);
+      if (ground_.usable(p)) all.push_back(p);
+    }
+    return all;
+  }
+
+  /// The first rock under a place in the air; the place itself when there is none.
+  Vec3d below(Vec3d p) const {
+    for (Vec3d q = p; q.z > ground_.box().lo.z; q.z -= 0.5 * radius_)
+      if (field_.value(q) > 0) return on_surface(q);
+    return p;
   }
 
   void add_apart(const std::vector<Vec3d>& wanted, std::size_t most, SpatialHash& apart,
@@ -132,7 +160,6 @@ class Karst {
 
   /// Closed depressions, the largest first, then the softest places of gentle ground in the upper half.
   std::vector<Vec3d> sinks() {
-    if (p_.sinks == 0) return {};
     const raster::Raster& heights = *ground_.site().heights;
     auto found = terrain::sinks(heights, {p_.sink_depth, 4 * ground_.pixel() * ground_.pixel()}, progress_);
     std::stable_sort(found.begin(), found.end(),
@@ -164,39 +191,39 @@ class Karst {
     return p;
   }
 
-  std::vector<Vec3d> soft_ground() {
-    const Box3d& box = ground_.box();
+  /// Gentle ground and faces of the whole surface, wherever it is: a sparse choice is enough.
+  void survey() {
+    const Vec3d size = ground_.box().size();
+    SurfaceSampling sampling;
+    sampling.spacing =
+        std::clamp(std::max(size.x, size.y) / 150, 0.5 * spacing_, std::max(1.5 * spacing_, 1e-3));
+    sampling.box = ground_.box();
+    sampling.seed = hash_combine(ground_.site().seed, 0xface);
+    sampling.accept = [&](const SurfacePoint& at) {
+      return at.normal.z > -0.3f && high(at.position) && ground_.usable(at.position, spacing_);
+    };
+    surface_ = sample_surface(field_, sampling, progress_);
+  }
+
+  std::vector<Vec3d> soft_ground() const {
     std::vector<std::pair<double, Vec3d>> places;
-    const double step = 3 * spacing_;
-    Random random(ground_.site().seed, 0x51);
-    for (double y = box.lo.y; y < box.hi.y; y += step)
-      for (double x = box.lo.x; x < box.hi.x; x += step) {
-        Vec3d p{x + random.uniform(0, step), y + random.uniform(0, step), 0};
-        p.z = ground_.height(p.x, p.y);
-        if (!high(p) || !ground_.usable(p, spacing_)) continue;
-        const double d = 2 * radius_;
-        const double sx = (ground_.height(p.x + d, p.y) - ground_.height(p.x - d, p.y)) / (2 * d);
-        const double sy = (ground_.height(p.x, p.y + d) - ground_.height(p.x, p.y - d)) / (2 * d);
-        if (sx * sx + sy * sy > 0.16) continue;
-        places.emplace_back(ground_.resistance(p - Vec3d{0, 0, 3 * radius_}), on_surface(p));
-      }
+    for (const SurfacePoint& at : surface_)
+      if (at.normal.z > 0.93f && deep(at.position))
+        places.emplace_back(ground_.resistance(at.position - Vec3d{0, 0, 3 * radius_}), at.position);
     return softest(std::move(places));
   }
 
-  std::vector<Vec3d> faces() {
-    if (p_.faces == 0) return {};
-    SurfaceSampling sampling;
-    sampling.spacing = 0.5 * spacing_;
-    sampling.box = ground_.box();
-    sampling.seed = hash_combine(ground_.site().seed, 0xface);
+  bool deep(Vec3d p) const {
+    for (double t : {0.5, 1.0, 1.5})
+      if (field_.value(p - Vec3d{0, 0, t * spacing_}) <= 0) return false;
+    return true;
+  }
+
+  std::vector<Vec3d> faces() const {
     const auto steep = static_cast<float>(std::cos(p_.face_slope * degree));
-    sampling.accept = [&](const SurfacePoint& at) {
-      return at.normal.z < steep && at.normal.z > -0.3f && high(at.position) &&
-             ground_.usable(at.position, spacing_);
-    };
     std::vector<std::pair<double, Vec3d>> places;
-    for (const SurfacePoint& at : sample_surface(field_, sampling, progress_))
-      if (thick(at))
+    for (const SurfacePoint& at : surface_)
+      if (at.normal.z < steep && thick(at))
         places.emplace_back(ground_.resistance(at.position - to_double(at.normal) * (2 * radius_)),
                             at.position);
     return softest(std::move(places));
@@ -230,6 +257,7 @@ class Karst {
     shape.threshold = p_.threshold;
     shape.roughness = p_.roughness;
     shape.winding = p_.winding;
+    shape.chambers = p_.chambers;
     shape.seed = hash_combine(ground_.site().seed, 0x5e);
     const auto caves = impl::make_passages(field_, ground_, percolation, shape);
     const field::NodePtr node = impl::carve_passages(caves, ground_, shape);
@@ -252,6 +280,7 @@ class Karst {
     result.report = {
         {"entrances", static_cast<std::int64_t>(caves.entrances.size())},
         {"entrance_positions", entrances},
+        {"chambers", static_cast<std::int64_t>(caves.chambers.size())},
         {"passage_length_m", caves.length},
         {"networks", static_cast<std::int64_t>(caves.networks)},
         {"connected_networks", static_cast<std::int64_t>(connected)},
@@ -267,6 +296,7 @@ class Karst {
   field::CompiledField field_;
   Progress& progress_;
   double radius_, spacing_, lowest_;
+  std::vector<SurfacePoint> surface_;
 };
 
 Result generate(const Site& site, const Values& values, Progress& progress) {

@@ -11,8 +11,12 @@ Box3d outline_of(const Site& site) {
   const raster::Raster& heights = *site.heights;
   const raster::Placement& at = heights.placement;
   const auto [lo, hi] = std::minmax_element(heights.values.values().begin(), heights.values.values().end());
-  return {{at.west, at.north - at.dy * heights.height(), *lo - site.influence},
-          {at.west + at.dx * heights.width(), at.north, *hi + site.influence}};
+  // Earlier layers may have put rock above the heights: islands, towers.
+  const Box3d surface = field::compile(site.terrain).bounds();
+  return {{at.west, at.north - at.dy * heights.height(),
+           std::min(surface.lo.z, static_cast<double>(*lo)) - site.influence},
+          {at.west + at.dx * heights.width(), at.north,
+           std::max(surface.hi.z, static_cast<double>(*hi)) + site.influence}};
 }
 
 }  // namespace
@@ -63,6 +67,13 @@ double Ground::weight(Vec3d p) const {
 
 double Ground::resistance(Vec3d p) const {
   return site_.geology ? site_.geology->resistance(p) : 0.5;
+}
+
+void Ground::resistances(std::span<const Vec3d> points, std::span<float> out) const {
+  if (site_.geology)
+    site_.geology->resistances(points, out);
+  else
+    std::fill(out.begin(), out.end(), 0.5f);
 }
 
 double Ground::height(double x, double y) const {

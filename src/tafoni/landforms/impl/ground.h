@@ -1,6 +1,8 @@
 #pragma once
 // What every generator asks of its site: where it may act, and how hard the rock is.
 
+#include <span>
+
 #include "tafoni/landforms/landform.h"
 
 namespace tafoni::landforms::impl {
@@ -10,7 +12,8 @@ class Ground {
   explicit Ground(const Site& site);
 
   const Site& site() const { return site_; }
-  /// The raster's outline and the heights' range grown by R, cut by the region; empty when nothing is left.
+  /// The raster's outline and the surface's range of heights grown by R, cut by the region; empty when
+  /// nothing is left.
   const Box3d& box() const { return box_; }
   double pixel() const { return pixel_; }
   /// Inside the raster, on real data, and in the region.
@@ -21,6 +24,7 @@ class Ground {
   double weight(Vec3d p) const;
   /// rho in [0, 1]; 1/2 without a geology.
   double resistance(Vec3d p) const;
+  void resistances(std::span<const Vec3d> points, std::span<float> out) const;
   /// Elevation of the raster, local metres.
   double height(double x, double y) const;
 

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/erosion.h"
+#include "tafoni/landforms/spatial_hash.h"
 #include "tafoni/math/noise.h"
 
 namespace tafoni::landforms::impl {
@@ -36,6 +38,7 @@ class Shaper {
     for (const auto& [a, b] : percolation_.merges)
       add({at(a), at(b)}, {radius_[index(a)], radius_[index(b)]}, a);
     for (const CaveExit& exit : percolation_.exits) leave(exit);
+    chambers();
     return std::move(caves_);
   }
 
@@ -63,17 +66,43 @@ class Shaper {
       most[i] = parent < 0 ? beyond_[i] : most[index(parent)];
       const double stress = 0.3 + 0.7 * std::sqrt(beyond_[i] / most[i]);
       effect_[i] = erosion_effect(nodes_[i].resistance, stress, s_.beta);
-      radius_[i] = s_.radius * std::clamp(0.6 + 0.9 * effect_[i], 0.6, 1.5) * (chamber(i) ? 1.7 : 1.0);
+      radius_[i] = s_.radius * std::clamp(0.6 + 0.9 * effect_[i], 0.6, 1.5);
     }
   }
 
-  /// Where ways meet, and here and there besides, a passage widens to a chamber if the rock above bears it.
-  bool chamber(std::size_t i) const {
-    if (nodes_[i].parent < 0) return false;
-    if (children_[i].size() < 2 && Random(s_.seed, i).uniform() > 0.15) return false;
-    for (const Vec3d d : {Vec3d{0, 0, 6}, {5, 0, 0}, {-5, 0, 0}, {0, 5, 0}, {0, -5, 0}})
-      if (field_.value(nodes_[i].position + d * s_.radius) <= 0) return false;
-    return true;
+  /// Where ways meet or the rock is weak a room breaks out, if the rock around bears it.
+  void chambers() {
+    if (s_.chambers <= 0) return;
+    std::vector<int> ways(nodes_.size(), 0);
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+      if (kept_[i] && nodes_[i].parent >= 0) ++ways[i], ++ways[index(nodes_[i].parent)];
+    for (const auto& [a, b] : percolation_.merges) ways[index(a)] += 2, ways[index(b)] += 2;
+    SpatialHash rooms(8 * s_.spacing);
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      if (!kept_[i] || nodes_[i].parent < 0) continue;
+      Random random(s_.seed, i);
+      const double weak = smoothstep(0.5, 0.1, nodes_[i].resistance);
+      const double chance = s_.chambers *
+                            (ways[i] > 3    ? 0.7
+                             : ways[i] == 3 ? 0.4
+                                            : 0.08) *
+                            (0.3 + 0.7 * weak);
+      if (random.uniform() > chance || rooms.any_near(at(static_cast<std::int32_t>(i)), 3.5 * s_.spacing))
+        continue;
+      const double radius = s_.radius * (2.2 + 2.4 * random.uniform() * (0.4 + 0.6 * weak));
+      if (!bears(nodes_[i].position, radius)) continue;
+      rooms.insert(nodes_[i].position);
+      Vec3d center = nodes_[i].position;
+      wind({&center, 1});
+      caves_.chambers.push_back({center, radius});
+    }
+  }
+
+  bool bears(Vec3d p, double radius) const {
+    for (const Vec3d d :
+         {Vec3d{0, 0, 1.3}, {1.4, 0, 0}, {-1.4, 0, 0}, {0, 1.4, 0}, {0, -1.4, 0}, {0, 0, -0.8}})
+      if (field_.value(p + d * radius) <= 0) return false;
+    return ground_.usable(p, 1.4 * radius);
   }
 
   void drop_dead_ends() {
@@ -174,29 +203,33 @@ class Shaper {
     const auto point = [&](std::int64_t i) {
       return line[static_cast<std::size_t>(std::clamp<std::int64_t>(i, 0, n - 1))];
     };
-    const double step = 0.3 * s_.radius;
+    const double step = 0.4 * s_.radius;
     for (std::int64_t i = 0; i + 1 < n; ++i) {
       const double span = length(point(i + 1) - point(i));
       const int pieces = std::max(1, static_cast<int>(std::ceil(span / step)));
       for (int k = 0; k < pieces + (i + 2 == n); ++k) {
         const double t = static_cast<double>(k) / pieces;
         const double r0 = radius[static_cast<std::size_t>(i)], r1 = radius[static_cast<std::size_t>(i) + 1];
-        passage.line.push_back(wound(spline(point(i - 1), point(i), point(i + 1), point(i + 2), t)));
+        passage.line.push_back(spline(point(i - 1), point(i), point(i + 1), point(i + 2), t));
         passage.radius.push_back(r0 + (r1 - r0) * t * t * (3 - 2 * t));
-        if (passage.line.size() > 1)
-          caves_.length += length(passage.line.back() - passage.line[passage.line.size() - 2]);
       }
     }
+    wind(passage.line);
+    for (std::size_t i = 0; i + 1 < passage.line.size(); ++i)
+      caves_.length += length(passage.line[i + 1] - passage.line[i]);
     caves_.passages.push_back(std::move(passage));
   }
 
-  Vec3d wound(Vec3d p) const {
-    const Vec3d world = (p + ground_.site().origin) * (1 / (0.8 * s_.spacing));
+  void wind(std::span<Vec3d> line) const {
+    std::vector<Vec3d> world;
+    for (Vec3d p : line) world.push_back((p + ground_.site().origin) * (1 / (0.8 * s_.spacing)));
     const double amplitude = 0.9 * s_.winding * s_.spacing;
-    const auto offset = [&](std::uint64_t axis) {
-      return amplitude * (static_cast<double>(fbm(world, 2, hash_combine(s_.seed, axis))) - 0.5);
-    };
-    return p + Vec3d{offset(1), offset(2), 0.35 * offset(3)};
+    std::vector<float> noise(line.size());
+    for (const Vec3d axis : {Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, 0.35}}) {
+      fbm(world, 2, hash_combine(s_.seed, axis.x > 0 ? 1 : axis.y > 0 ? 2 : 3), noise);
+      for (std::size_t i = 0; i < line.size(); ++i)
+        line[i] += axis * (amplitude * (static_cast<double>(noise[i]) - 0.5));
+    }
   }
 
   const field::CompiledField& field_;
@@ -212,88 +245,11 @@ class Shaper {
   CaveSystem caves_;
 };
 
-/// Carves one place of a passage: three points side by side, wider than tall, and pockets in soft beds.
-class Carver {
- public:
-  Carver(field::CloudBuilder& cloud, const Ground& ground, const PassageSettings& s, Random random)
-      : cloud_(cloud), ground_(ground), s_(s), random_(random) {}
-
-  static constexpr int pockets = 4;
-
-  void carve(Vec3d p, Vec3d ahead, double radius, double step) {
-    const Vec3d world = p + ground_.site().origin;
-    const double uneven =
-        2 * static_cast<double>(fbm(world * (0.35 / radius), 3, hash_combine(s_.seed, 11))) - 1;
-    const double r = radius * std::clamp(1 + 1.3 * s_.roughness * uneven, 0.6, 1.6);
-    const double reach = 1.7 * r;
-    const double energy = tube_energy(ground_.site().amplitude, r, reach, step);
-    const double wide =
-        std::clamp(3.2 * static_cast<double>(fbm(world * (0.2 / radius), 2, hash_combine(s_.seed, 12))) - 0.9,
-                   0.15, 1.1);
-    const Vec3d side = normalized(Vec3d{-ahead.y, ahead.x, 0}) * (wide * r);
-    // An arched roof over a broad floor.
-    const Vec3d low{0, 0, -0.3 * r * wide};
-    add(p, reach, 0.75 * energy);
-    add(p + side + low, reach * 0.85, 0.45 * energy);
-    add(p - side + low, reach * 0.85, 0.45 * energy);
-    for (int i = 0; i < pockets; ++i) pocket(p, r, 1 + 0.5 * wide);
-  }
-
- private:
-  void add(Vec3d p, double reach, double energy) {
-    if (ground_.usable(p)) add_point(cloud_, p, reach, -energy);
-  }
-
-  /// Walls recede where the bed is soft and stand out as ledges where it is hard.
-  void pocket(Vec3d p, double r, double wide) {
-    const Vec3d d =
-        normalized(Vec3d{random_.uniform(-1, 1), random_.uniform(-1, 1), random_.uniform(-0.5, 0.8)});
-    const double out = r * random_.uniform(0.7, 1.0);
-    const Vec3d at = p + Vec3d{d.x * wide, d.y * wide, d.z} * out;
-    const double soft = std::clamp(1.15 - 1.5 * ground_.resistance(at), 0.0, 1.0);
-    if (soft < 0.1) return;
-    add(at, r * random_.uniform(0.3, 0.65), 4.5 * s_.roughness * ground_.site().amplitude * soft);
-  }
-
-  field::CloudBuilder& cloud_;
-  const Ground& ground_;
-  const PassageSettings& s_;
-  Random random_;
-};
-
-/// A bowl around a swallet: one broad shallow point and a few steps down to the shaft.
-void carve_doline(field::CloudBuilder& cloud, const Ground& ground, Vec3d p, double radius, Random random) {
-  add_point(cloud, p, 4.2 * radius, -0.9 * radius);
-  for (int i = 0; i < 5; ++i) {
-    const Vec3d at = p + Vec3d{random.uniform(-1.6, 1.6) * radius, random.uniform(-1.6, 1.6) * radius,
-                               random.uniform(-0.5, 0) * radius};
-    if (ground.usable(at)) add_point(cloud, at, random.uniform(1.4, 2.2) * radius, -0.5 * radius);
-  }
-}
-
 }  // namespace
 
 CaveSystem make_passages(const field::CompiledField& field, const Ground& ground,
                          const Percolation& percolation, const PassageSettings& settings) {
   return Shaper(field, ground, percolation, settings).run();
-}
-
-field::NodePtr carve_passages(const CaveSystem& caves, const Ground& ground,
-                              const PassageSettings& settings) {
-  field::CloudBuilder cloud{field::CloudSettings{}};
-  for (std::size_t k = 0; k < caves.passages.size(); ++k) {
-    const Passage& passage = caves.passages[k];
-    Carver carver(cloud, ground, settings, Random(settings.seed, 0x1000 + k));
-    for (std::size_t i = 0; i < passage.line.size(); ++i) {
-      const Vec3d before = passage.line[i > 0 ? i - 1 : i];
-      const Vec3d after = passage.line[std::min(i + 1, passage.line.size() - 1)];
-      const double step = 0.5 * length(after - before) * (i > 0 && i + 1 < passage.line.size() ? 1 : 2);
-      carver.carve(passage.line[i], after - before, passage.radius[i], std::max(step, 0.1 * settings.radius));
-    }
-  }
-  for (std::size_t k = 0; k < caves.swallets.size(); ++k)
-    carve_doline(cloud, ground, caves.swallets[k], settings.radius, Random(settings.seed, 0x2000 + k));
-  return cloud.size() ? cloud.finish() : nullptr;
 }
 
 std::vector<bool> open_networks(const field::CompiledField& field, const CaveSystem& caves) {

@@ -18,6 +18,7 @@ struct PassageSettings {
   double threshold = 0.1;  ///< dead ends whose effect is smaller are left out
   double roughness = 0.5;  ///< strength of the unevenness of the walls
   double winding = 0.5;    ///< how far passages wind off the straight line
+  double chambers = 0.5;   ///< how often rooms break out, 0 to 1
   std::uint64_t seed = 0;
 };
 
@@ -28,8 +29,15 @@ struct Passage {
   std::int32_t network = 0;
 };
 
+/// A room around a place of a passage.
+struct Chamber {
+  Vec3d center;
+  double radius;
+};
+
 struct CaveSystem {
   std::vector<Passage> passages;
+  std::vector<Chamber> chambers;
   std::vector<Vec3d> entrances;  ///< where passages meet the surface
   std::vector<Vec3d> swallets;   ///< those among them that drink water from above: a doline opens there
   int networks = 0;
@@ -39,7 +47,9 @@ struct CaveSystem {
 CaveSystem make_passages(const field::CompiledField& field, const Ground& ground,
                          const Percolation& percolation, const PassageSettings& settings);
 
-/// Point primitives that open the passages, and the dolines.
+/// Point primitives that open the passages, the rooms and the dolines. Passages are broad under hard beds,
+/// have a slot cut into their floor here and there, and grooves along soft beds; rooms have roofs that follow
+/// the bedding, stepped towards the walls.
 field::NodePtr carve_passages(const CaveSystem& caves, const Ground& ground, const PassageSettings& settings);
 
 /// For each network whether all its passages are open in `field` from end to end.

@@ -44,9 +44,12 @@ struct Percolation {
 
 /// `seeds` lie on the surface or in the rock of `field`. Pops the candidate of least rho + epsilon * random,
 /// carves it if rho < rho_0, and pushes those points on its lower hemisphere whose Poisson sphere is free,
-/// until the queue is empty or every seed has its number of points.
+/// until the queue is empty or every seed has its number of points. Departures from the paper: a candidate
+/// first moves to the least rho about it, and its order is by the mean rho of the way to it, so that ways
+/// keep within soft beds and faults instead of crossing them. `springs` on the surface are joined afterwards
+/// to the nearest carved point above them, by the softest way down.
 Percolation percolate(const field::CompiledField& field, const Ground& ground,
-                      const std::vector<Vec3d>& seeds, const PercolationSettings& settings,
-                      Progress& progress);
+                      const std::vector<Vec3d>& seeds, const std::vector<Vec3d>& springs,
+                      const PercolationSettings& settings, Progress& progress);
 
 }  // namespace tafoni::landforms::impl

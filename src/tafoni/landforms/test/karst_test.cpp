@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "tafoni/landforms/impl/passages.h"
 #include "tafoni/landforms/impl/percolation.h"
 #include "tafoni/landforms/test/site.h"
 
@@ -29,7 +30,7 @@ TEST(Percolation, KeepsItsRules) {
   s.points_per_seed = 200;
   s.seed = 1;
   const std::vector<Vec3d> seeds = {{-20, 20, 30}, {20, 20, 30}};
-  const auto made = impl::percolate(field, ground, seeds, s, silent());
+  const auto made = impl::percolate(field, ground, seeds, {}, s, silent());
   ASSERT_GT(made.nodes.size(), 30u);
   int soft = 0;
   for (std::size_t i = 0; i < made.nodes.size(); ++i) {
@@ -46,8 +47,89 @@ TEST(Percolation, KeepsItsRules) {
   }
   EXPECT_GT(soft, 0);
   s.threshold = 0;
-  EXPECT_EQ(impl::percolate(field, ground, seeds, s, silent()).nodes.size(), 2u)
+  EXPECT_EQ(impl::percolate(field, ground, seeds, {}, s, silent()).nodes.size(), 2u)
       << "only the seeds themselves";
+}
+
+/// Share of the length of the passages that runs where `soft` holds.
+template <class Soft>
+double share(const Coast& coast, const impl::PercolationSettings& s, const std::vector<Vec3d>& seeds,
+             Soft soft) {
+  const auto field = field::compile(coast.site.terrain);
+  const impl::Ground ground(coast.site);
+  impl::PassageSettings shape;
+  shape.spacing = s.spacing;
+  shape.radius = 0.2 * s.spacing;
+  const auto caves =
+      impl::make_passages(field, ground, impl::percolate(field, ground, seeds, {}, s, silent()), shape);
+  double in = 0, all = 0;
+  for (const impl::Passage& passage : caves.passages)
+    for (std::size_t i = 0; i + 1 < passage.line.size(); ++i) {
+      const double step = length(passage.line[i + 1] - passage.line[i]);
+      all += step;
+      in += step * soft(passage.line[i]);
+    }
+  EXPECT_GT(all, 300);
+  return in / all;
+}
+
+impl::PercolationSettings roomy() {
+  impl::PercolationSettings s;
+  s.spacing = 4;
+  s.cover = 3;
+  s.depth = 26;
+  s.threshold = 0.75;
+  s.points_per_seed = 60;
+  return s;
+}
+
+const std::vector<Vec3d> on_top = {{-40, 22, 30}, {-15, 25, 30}, {12, 20, 30}, {40, 24, 30}};
+
+TEST(Percolation, KeepsToSoftBeds) {
+  // One third of the rock is soft. The ways down from bed to bed must cross the hard ones.
+  const auto soft = [](Vec3d p) { return std::fmod(p.z + 600, 9) < 3; };
+  const Coast coast([&](Vec3d p) { return soft(p) ? 0.1 : 0.7; });
+  for (std::uint64_t seed = 1; seed < 5; ++seed) {
+    auto s = roomy();
+    s.seed = seed;
+    EXPECT_GT(share(coast, s, on_top, soft), 0.55);
+  }
+}
+
+TEST(Percolation, KeepsToFaults) {
+  // Upright sheets of crushed rock fill a quarter of it.
+  const auto crushed = [](Vec3d p) { return std::fmod(p.x + 0.4 * p.y + 600, 16) < 4; };
+  const Coast coast([&](Vec3d p) { return crushed(p) ? 0.1 : 0.6; });
+  for (std::uint64_t seed = 1; seed < 5; ++seed) {
+    auto s = roomy();
+    s.seed = seed;
+    EXPECT_GT(share(coast, s, on_top, crushed), 0.55);
+  }
+}
+
+TEST(Percolation, UniformRockShowsNoPreference) {
+  const auto soft = [](Vec3d p) { return std::fmod(p.z + 600, 9) < 3; };
+  const Coast coast([](Vec3d) { return 0.3; });
+  auto s = roomy();
+  EXPECT_NEAR(share(coast, s, on_top, soft), 0.33, 0.15);
+}
+
+TEST(Karst, WaterComesToLightAtSprings) {
+  Coast coast(beds);
+  coast.site.points = {{0, 30, 30}};
+  const Vec3d spring{12, 0.3, 8};
+  const Vec3d world = spring + coast.site.origin;
+  const Result result = karst(coast.site, {{"sinks", std::int64_t{0}},
+                                           {"faces", std::int64_t{0}},
+                                           {"springs", std::vector<double>{world.x, world.y, world.z}}});
+  EXPECT_EQ(test::fact<std::int64_t>(result, "networks"), 1);
+  EXPECT_EQ(test::fact<std::int64_t>(result, "connected_networks"), 1);
+  const auto field = test::carved(coast.site, result);
+  const auto at = test::fact<std::vector<double>>(result, "entrance_positions");
+  double nearest = 1e9;
+  for (std::size_t i = 0; i < at.size(); i += 3)
+    nearest = std::min(nearest, length(Vec3d{at[i], at[i + 1], at[i + 2]} - world));
+  EXPECT_LT(nearest, 6) << "on the face beside the place that was named";
 }
 
 TEST(Karst, NetworksAreOpenFromEndToEnd) {
