@@ -83,9 +83,17 @@ void CloudBuilder::add(Vec3d anchor, float energy, std::span<const float> shape)
   if (!finite) fail(ErrorKind::input, "a {} primitive has a number that is not finite", type.name);
   if (!(shape[0] > 0))
     fail(ErrorKind::input, "a {} primitive has radius {} m; it must be positive", type.name, shape[0]);
-  if (!type.volumetric && s.noise.amplitude >= shape[0])
+  // Noise as deep as the rounding would reach into a body, where there is nothing to perturb.
+  if ((!type.volumetric || group > 0) && s.noise.amplitude >= shape[0])
     fail(ErrorKind::input, "a {} primitive of radius {} m is thinner than its noise of {} m", type.name,
          shape[0], s.noise.amplitude);
+  for (std::size_t i = 1; i < shape.size(); ++i) {
+    const ParamInfo& info = type.params[1 + (i - 1) % group];
+    const auto value = static_cast<double>(shape[i]);
+    if (value < info.min || value > info.max)
+      fail(ErrorKind::input, "a {} primitive has {} = {}; it must be {}", type.name, info.name, shape[i],
+           allowed(info));
+  }
   const double far = std::max({std::fabs(anchor.x), std::fabs(anchor.y), std::fabs(anchor.z)});
   if (far + type.extent(shape.subspan(1)) + shape[0] > impl::reach_limit)
     fail(ErrorKind::input, "a {} primitive lies {:.0f} m from the scene's origin; the limit is {:.0f} m",

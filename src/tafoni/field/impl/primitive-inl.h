@@ -1,9 +1,12 @@
 // Every kernel of a primitive kind, from the one template it declares. See math/lanes-inl.h for the toggle.
 //
-// A kind is a struct K with
+// A kind is a struct K, made once a primitive from its extras, with
 //   static constexpr bool volumetric, has_extras;
-//   template <class N> static Vec3N<N> offset(const Vec3N<N>& p, const float* extras, std::uint32_t count);
-// where p is relative to the anchor and the result leads from the nearest skeleton point to p.
+//   K(const float* extras, std::uint32_t count);
+//   template <class N> Vec3N<N> offset(const Vec3N<N>& p) const;
+// where p is relative to the anchor and the result leads from the nearest skeleton point to p. Its length
+// must grow no faster than p moves (1-Lipschitz) and never be below the distance: intervals and supports rely
+// on that.
 #if defined(TAFONI_FIELD_IMPL_PRIMITIVE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef TAFONI_FIELD_IMPL_PRIMITIVE_INL_H_
 #undef TAFONI_FIELD_IMPL_PRIMITIVE_INL_H_
@@ -67,16 +70,16 @@ struct LocalNoise {
 };
 
 /// The shape of one primitive, with what its kernel would divide by.
+template <class K>
 struct Shape {
+  K kind;
   float radius, inverse;  ///< inverse: 1 / radius^2 of a thin kind, 1 / falloff of a volumetric one
-  const float* extras;
-  std::uint32_t count;
 };
 
 /// 1 - (distance / support)^2, cut at 0.
 template <class K, bool perturbed, class N>
-TAFONI_LANES_INLINE N closeness(const Vec3N<N>& p, const Shape& shape, const LocalNoise& noise) {
-  const Vec3N<N> o = K::offset(p, shape.extras, shape.count);
+TAFONI_LANES_INLINE N closeness(const Vec3N<N>& p, const Shape<K>& shape, const LocalNoise& noise) {
+  const Vec3N<N> o = shape.kind.offset(p);
   const N d2 = dot(o, o);
   if constexpr (!K::volumetric && !perturbed) {
     return max(neg_mul_add(d2, N(shape.inverse), N(1.f)), N(0.f));
@@ -91,14 +94,14 @@ TAFONI_LANES_INLINE N closeness(const Vec3N<N>& p, const Shape& shape, const Loc
 }
 
 template <class K>
-TAFONI_LANES_INLINE Shape shape_of(const CloudView& cloud, std::uint32_t i) {
-  const float radius = cloud.primitives->radius[i];
-  Shape shape{radius, K::volumetric ? 1.f / cloud.falloff : 1.f / (radius * radius), nullptr, 0};
-  if constexpr (K::has_extras) {
-    shape.extras = cloud.pool + cloud.primitives->extra[i];
-    shape.count = cloud.primitives->extra_count[i];
-  }
-  return shape;
+TAFONI_LANES_INLINE Shape<K> shape_of(const CloudView& cloud, std::uint32_t i) {
+  const Primitives& prims = *cloud.primitives;
+  const float radius = prims.radius[i],
+              inverse = K::volumetric ? 1.f / cloud.falloff : 1.f / (radius * radius);
+  if constexpr (K::has_extras)
+    return {K(cloud.pool + prims.extra[i], prims.extra_count[i]), radius, inverse};
+  else
+    return {K(nullptr, 0), radius, inverse};
 }
 
 /// Distances of a block's rows or planes from an anchor, with the lanes' own arithmetic: a scalar fused
@@ -117,7 +120,7 @@ TAFONI_LANES_INLINE void add_one_to_block(const CloudView& cloud, std::uint32_t 
   distances(block.x, block.xr, prims.x[i], dx);
   distances(block.y, block.yr, prims.y[i], dy);
   distances(block.z, block.zr, prims.z[i], dz);
-  const Shape shape = shape_of<K>(cloud, i);
+  const Shape<K> shape = shape_of<K>(cloud, i);
   const LocalNoise noise(cloud.noise, prims.x[i], prims.y[i], prims.z[i]);
   const float reach2 = prims.reach[i] * prims.reach[i];
   const Lanes energy(prims.energy[i]);
@@ -218,9 +221,9 @@ void add_gradients(const CloudView& cloud, const std::uint32_t* list, std::size_
 
 template <class K>
 void distance(const CloudView& cloud, std::uint32_t i, const PointLanes& p, float* out) {
-  const Shape shape = shape_of<K>(cloud, i);
+  const Shape<K> shape = shape_of<K>(cloud, i);
   for (std::size_t l = 0; l < 8; l += lane_count()) {
-    const Vec3N<Lanes> o = K::offset(relative(p, l, *cloud.primitives, i), shape.extras, shape.count);
+    const Vec3N<Lanes> o = shape.kind.offset(relative(p, l, *cloud.primitives, i));
     sqrt(dot(o, o)).store(out + l);
   }
 }

@@ -6,6 +6,7 @@
 // foreach_target must come before what it compiles again.
 #include "tafoni/field/impl/kernel_table.h"
 #include "tafoni/field/impl/primitive-inl.h"
+#include "tafoni/field/impl/skeleton-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tafoni::field::impl {
@@ -13,25 +14,19 @@ namespace HWY_NAMESPACE {
 
 struct Curve {
   static constexpr bool volumetric = false, has_extras = true;
-  /// The vertices after the first, which is the anchor.
+  const float* vertices;  ///< after the first, which is the anchor
+  std::uint32_t count;
+  Curve(const float* e, std::uint32_t n) : vertices(e), count(n) {}
   template <class N>
-  static TAFONI_LANES_INLINE Vec3N<N> offset(const Vec3N<N>& p, const float* vertices, std::uint32_t count) {
-    Vec3N<N> best = p;
-    N best2 = dot(p, p);
-    float from[3] = {0, 0, 0};
+  TAFONI_LANES_INLINE Vec3N<N> offset(const Vec3N<N>& p) const {
+    Shortest<N> shortest(p);
+    Vec3f from{0, 0, 0};
     for (std::uint32_t i = 0; i + 2 < count; i += 3) {
-      const float ax = vertices[i] - from[0], ay = vertices[i + 1] - from[1], az = vertices[i + 2] - from[2];
-      const Vec3N<N> axis = broadcast<N>({ax, ay, az});
-      const Vec3N<N> d = p - broadcast<N>({from[0], from[1], from[2]});
-      const N along = dot(d, axis) * N(1.f / std::max(ax * ax + ay * ay + az * az, 1e-20f));
-      const Vec3N<N> o = d - axis * min(max(along, N(0.f)), N(1.f));
-      const N o2 = dot(o, o);
-      const Mask nearer = o2 < best2;
-      best = {select(nearer, o.x, best.x), select(nearer, o.y, best.y), select(nearer, o.z, best.z)};
-      best2 = select(nearer, o2, best2);
-      std::copy_n(vertices + i, 3, from);
+      const Vec3f to{vertices[i], vertices[i + 1], vertices[i + 2]};
+      shortest.offer(from_segment(p - broadcast<N>(from), to - from));
+      from = to;
     }
-    return best;
+    return shortest.offset;
   }
 };
 

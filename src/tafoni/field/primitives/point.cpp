@@ -13,8 +13,9 @@ namespace HWY_NAMESPACE {
 
 struct Point {
   static constexpr bool volumetric = false, has_extras = false;
+  Point(const float*, std::uint32_t) {}
   template <class N>
-  static TAFONI_LANES_INLINE Vec3N<N> offset(const Vec3N<N>& p, const float*, std::uint32_t) {
+  TAFONI_LANES_INLINE Vec3N<N> offset(const Vec3N<N>& p) const {
     return p;
   }
 };

@@ -6,6 +6,7 @@
 // foreach_target must come before what it compiles again.
 #include "tafoni/field/impl/kernel_table.h"
 #include "tafoni/field/impl/primitive-inl.h"
+#include "tafoni/field/impl/skeleton-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tafoni::field::impl {
@@ -13,12 +14,11 @@ namespace HWY_NAMESPACE {
 
 struct Segment {
   static constexpr bool volumetric = false, has_extras = true;
+  Vec3f end;
+  Segment(const float* e, std::uint32_t) : end{e[0], e[1], e[2]} {}
   template <class N>
-  static TAFONI_LANES_INLINE Vec3N<N> offset(const Vec3N<N>& p, const float* end, std::uint32_t) {
-    const float length2 = end[0] * end[0] + end[1] * end[1] + end[2] * end[2];
-    const Vec3N<N> axis = broadcast<N>({end[0], end[1], end[2]});
-    const N along = dot(p, axis) * N(1.f / std::max(length2, 1e-20f));
-    return p - axis * min(max(along, N(0.f)), N(1.f));
+  TAFONI_LANES_INLINE Vec3N<N> offset(const Vec3N<N>& p) const {
+    return from_segment(p, end);
   }
 };
 

@@ -13,8 +13,9 @@ namespace HWY_NAMESPACE {
 
 struct Sphere {
   static constexpr bool volumetric = true, has_extras = false;
+  Sphere(const float*, std::uint32_t) {}
   template <class N>
-  static TAFONI_LANES_INLINE Vec3N<N> offset(const Vec3N<N>& p, const float*, std::uint32_t) {
+  TAFONI_LANES_INLINE Vec3N<N> offset(const Vec3N<N>& p) const {
     return p;
   }
 };

@@ -1,5 +1,6 @@
 // The same questions to every registered primitive and operator; a new one is covered without a new test.
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdio>
@@ -31,8 +32,9 @@ Sample draw(const PrimitiveType& type, Random& random) {
            static_cast<float>(random.uniform(-9, 9)),
            {static_cast<float>(random.uniform(1.5, 8))}};
   const std::uint64_t groups = type.extras == 0 ? 0 : type.variable ? 1 + random.below(5) : 1;
-  for (std::uint64_t i = 0; i < groups * static_cast<std::uint64_t>(type.extras); ++i)
-    s.shape.push_back(static_cast<float>(random.uniform(-10, 10)));
+  for (std::uint64_t i = 0; i < groups; ++i)
+    for (const ParamInfo& p : std::span(type.params).subspan(1))
+      s.shape.push_back(static_cast<float>(random.uniform(std::max(p.min, -10.0), std::min(p.max, 10.0))));
   return s;
 }
 
@@ -51,6 +53,10 @@ TEST_P(Kinds, DeclareThemselves) {
   ASSERT_FALSE(type.params.empty());
   EXPECT_EQ(type.params[0].name, "radius");
   EXPECT_EQ(type.params.size(), static_cast<std::size_t>(1 + type.extras));
+  // A chain of vertices, relative to the first.
+  if (type.variable) {
+    EXPECT_EQ(type.extras, 3);
+  }
   std::set<std::string> names;
   for (const ParamInfo& p : type.params) {
     EXPECT_TRUE(names.insert(p.name).second) << p.name;
@@ -88,9 +94,50 @@ TEST_P(Kinds, VanishExactlyOutsideTheirSupportAndNowhereElse) {
         }
         inside += v != 0;
       }
-      EXPECT_NEAR(field.value(s.anchor), s.energy, 1e-3);
     }
     EXPECT_GT(inside, 100);
+  }
+}
+
+/// The nearest point of the skeleton, from the value and the gradient at p: g is inverted for the distance.
+Vec3d skeleton_point(const PrimitiveType& type, const CompiledField& field, const Sample& s, Vec3d p) {
+  float v;
+  Vec3f g;
+  field.gradients({&p, 1}, {&v, 1}, {&g, 1});
+  const double q = std::sqrt(1 - std::cbrt(static_cast<double>(v / s.energy)));
+  const double d = type.volumetric ? s.shape[0] + q * 7 : q * s.shape[0];
+  const Vec3d inwards = normalized(to_double(g)) * (s.energy > 0 ? 1.0 : -1.0);
+  return p + inwards * d;
+}
+
+TEST_P(Kinds, HaveTheirEnergyAtTheSkeleton) {
+  const PrimitiveType& type = *GetParam();
+  Random random(8);
+  int tried = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Sample s = draw(type, random);
+    const CompiledField field = compile(cloud_of(type, {&s, 1}, 0));
+    const double size =
+        0.8 * (s.shape[0] + type.extent(std::span(s.shape).subspan(1)) + (type.volumetric ? 7 : 0));
+    const Vec3d p = s.anchor + Vec3d{random.uniform(-size, size), random.uniform(-size, size),
+                                     random.uniform(-size, size)};
+    const double share = field.value(p) / static_cast<double>(s.energy);
+    if (share < 0.05 || share > 0.95) continue;
+    ++tried;
+    EXPECT_NEAR(field.value(skeleton_point(type, field, s, p)) / s.energy, 1, 1e-3);
+  }
+  EXPECT_GT(tried, 100);
+}
+
+TEST_P(Kinds, RefuseNumbersOutsideTheirRanges) {
+  const PrimitiveType& type = *GetParam();
+  Random random(9);
+  for (std::size_t i = 0; i < type.params.size(); ++i) {
+    Sample s = draw(type, random);
+    CloudBuilder cloud({type.name, 7, {}});
+    cloud.add(s.anchor, s.energy, s.shape);
+    s.shape[i] = static_cast<float>(type.params[i].max * 20);
+    EXPECT_THROW(cloud.add(s.anchor, s.energy, s.shape), Error) << type.params[i].name;
   }
 }
 
@@ -152,7 +199,9 @@ TEST_P(Kinds, GradientsMatchDifferences) {
 }
 
 std::string kind_name(const testing::TestParamInfo<const PrimitiveType*>& info) {
-  return info.param->name;
+  std::string name = info.param->name;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
 }
 INSTANTIATE_TEST_SUITE_P(Registry, Kinds, testing::ValuesIn(all_primitives().begin(), all_primitives().end()),
                          kind_name);

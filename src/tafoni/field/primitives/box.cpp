@@ -1,0 +1,72 @@
+#include "tafoni/field/primitive.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tafoni/field/primitives/box.cpp"
+#include <hwy/foreach_target.h>
+// foreach_target must come before what it compiles again.
+#include "tafoni/field/impl/kernel_table.h"
+#include "tafoni/field/impl/primitive-inl.h"
+#include "tafoni/field/impl/skeleton-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tafoni::field::impl {
+namespace HWY_NAMESPACE {
+
+struct Box {
+  static constexpr bool volumetric = true, has_extras = true;
+  Vec3f half;
+  Turn turn;
+  Box(const float* e, std::uint32_t) : half{e[0], e[1], e[2]}, turn(e[3]) {}
+  template <class N>
+  TAFONI_LANES_INLINE Vec3N<N> offset(const Vec3N<N>& p) const {
+    const Vec3N<N> q = turn.to_body(p);
+    return turn.to_scene(Vec3N<N>{q.x - clamp(q.x, N(-half.x), N(half.x)),
+                                  q.y - clamp(q.y, N(-half.y), N(half.y)),
+                                  q.z - clamp(q.z, N(-half.z), N(half.z))});
+  }
+};
+
+PrimitiveKernels box_kernels() {
+  return make_kernels<Box>();
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tafoni::field::impl
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tafoni::field {
+TAFONI_KERNEL_TABLE(PrimitiveKernels, box)
+namespace {
+
+struct Params {
+  double radius = 0.5, hx = 5, hy = 5, hz = 5, turn = 0;
+};
+
+}  // namespace
+
+const PrimitiveType& primitive_box() {
+  static const PrimitiveType type = [] {
+    PrimitiveType t;
+    t.name = "box";
+    t.doc = "Constant inside a box about the anchor, then falls off";
+    t.source = "document 003, section 5.2";
+    t.params = ParamTable<Params>()
+                   .real("radius", &Params::radius, "m", 1e-3, 1e4,
+                         "Rounding: how far the body reaches beyond the shape that the other numbers give")
+                   .real("hx", &Params::hx, "m", 0, 1e4, "Half its size along its own x")
+                   .real("hy", &Params::hy, "m", 0, 1e4, "Half its size along its own y")
+                   .real("hz", &Params::hz, "m", 0, 1e4, "Half its height")
+                   .real("turn", &Params::turn, "deg", -360, 360,
+                         "Turn about the vertical, counter-clockwise from above");
+    t.extras = 4;
+    t.volumetric = true;
+    t.extent = [](std::span<const float> e) { return std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]); };
+    t.kernels = &kernels;
+    return t;
+  }();
+  return type;
+}
+
+}  // namespace tafoni::field
+#endif
