@@ -88,6 +88,14 @@ Topic common_options() {
           {{"common options", "On any command", {}, {}, {}, args.entries()}}};
 }
 
+/// What a parameter does, with its columns where it is a table.
+std::string doc_text(const ParamInfo& info, const char* separator) {
+  std::string out = info.doc;
+  for (const ParamInfo& column : info.columns)
+    out += fmt::format("{}{} = {}: {}", separator, column.name, init_text(column), column.doc);
+  return out;
+}
+
 /// Cells of a Markdown table must not hold a bar.
 std::string cell(std::string text) {
   for (std::size_t i = 0; (i = text.find('|', i)) != std::string::npos; i += 2) text.insert(i, "\\");
@@ -109,7 +117,7 @@ void markdown(std::string& out, const CatalogueEntry& entry, bool examples) {
     out += "| parameter | default | allowed | what it does |\n|---|---|---|---|\n";
     for (const ParamInfo& info : entry.params)
       out += fmt::format("| `{}` | {} | {} | {} |\n", info.name, cell(init_text(info)), cell(allowed(info)),
-                         cell(info.doc));
+                         cell(doc_text(info, "; ")));
     out += "\n";
   }
   if (!entry.options.empty()) {
@@ -159,7 +167,8 @@ std::string text(const CatalogueEntry& entry) {
   if (!entry.source.empty()) out += fmt::format("source: {}\n", entry.source);
   if (!entry.note.empty()) out += entry.note + "\n";
   for (const ParamInfo& info : entry.params)
-    out += fmt::format("\n  {} = {}   ({})\n      {}\n", info.name, init_text(info), allowed(info), info.doc);
+    out += fmt::format("\n  {} = {}   ({})\n      {}\n", info.name, init_text(info), allowed(info),
+                       doc_text(info, "\n        "));
   for (const Args::Entry& option : entry.options)
     out += fmt::format("\n  {}\n      {}\n", flags_text(option), option.doc);
   return out;

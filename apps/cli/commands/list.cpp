@@ -24,6 +24,9 @@ Json to_json(const CatalogueEntry& entry) {
   for (const ParamInfo& info : entry.params) {
     Json param = {{"name", info.name}, {"doc", info.doc}, {"unit", info.unit}, {"allowed", allowed(info)}};
     std::visit([&](const auto& v) { param["default"] = v; }, info.init);
+    for (const ParamInfo& column : info.columns)
+      param["columns"].push_back(
+          {{"name", column.name}, {"doc", column.doc}, {"default", std::get<std::string>(column.init)}});
     json["params"].push_back(std::move(param));
   }
   for (const Args::Entry& option : entry.options)

@@ -76,6 +76,7 @@ std::string wanted(const ParamInfo& info) {
     case ValueKind::choice:
       return "one of " + allowed(info);
     case ValueKind::numbers:
+    case ValueKind::rows:
       return allowed(info);
   }
   return {};
@@ -114,6 +115,21 @@ Value checked_choice(const ParamInfo& info, const Value& value, std::string_view
   const std::string near = nearest(*text, info.choices);
   fail(ErrorKind::usage, "{}: {} = \"{}\" is not one of {}{}", where, info.name, *text, allowed(info),
        near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near));
+}
+
+Value checked_rows(const ParamInfo& info, const Value& value, std::string_view where) {
+  // An empty array has no kind of its own.
+  if (const auto* none = std::get_if<std::vector<double>>(&value); none && none->empty()) return Rows{};
+  const auto* rows = std::get_if<Rows>(&value);
+  if (!rows) wrong_kind(info, to_toml(value), where);
+  Rows out = *rows;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    for (const auto& cell : out[i])
+      find_param(info.columns, cell.first, fmt::format("{}: {}, row {}", where, info.name, i + 1));
+    for (const ParamInfo& column : info.columns)
+      out[i].try_emplace(column.name, std::get<std::string>(column.init));
+  }
+  return out;
 }
 
 /// Edit distance with swaps of neighbours counted as one (optimal string alignment).
@@ -159,7 +175,22 @@ std::string real_text(double v) {
   return out;
 }
 
+std::string row_text(const Row& row) {
+  std::string out = "{";
+  for (const auto& [name, text] : row) out += (out.size() > 1 ? ", " : "") + name + " = " + quoted(text);
+  return out + "}";
+}
+
 }  // namespace
+
+ParamInfo column(std::string name, std::string init, std::string doc) {
+  ParamInfo info;
+  info.name = std::move(name);
+  info.doc = std::move(doc);
+  info.kind = ValueKind::text;
+  info.init = std::move(init);
+  return info;
+}
 
 Value checked(const ParamInfo& info, const Value& value, std::string_view where) {
   const auto* integer = std::get_if<std::int64_t>(&value);
@@ -187,6 +218,8 @@ Value checked(const ParamInfo& info, const Value& value, std::string_view where)
       return checked_choice(info, value, where);
     case ValueKind::numbers:
       return checked_numbers(info, value, where);
+    case ValueKind::rows:
+      return checked_rows(info, value, where);
   }
   wrong_kind(info, to_toml(value), where);
 }
@@ -211,6 +244,8 @@ Value parsed(const ParamInfo& info, std::string_view raw, std::string_view where
     case ValueKind::text:
     case ValueKind::choice:
       return checked(info, text, where);
+    case ValueKind::rows:
+      fail(ErrorKind::usage, "{}: {} is a table, which only a scene file can give", where, info.name);
     case ValueKind::numbers:
       break;
   }
@@ -232,6 +267,9 @@ void assign(std::span<const ParamInfo> infos, void* object, const Values& values
     const ParamInfo& info = find_param(infos, name, where);
     info.store(info, object, checked(info, value, where));
   }
+  for (const ParamInfo& info : infos)
+    if (info.kind == ValueKind::rows && !values.contains(info.name))
+      info.store(info, object, checked(info, info.load(info, object), where));
 }
 
 const ParamInfo& find_param(std::span<const ParamInfo> infos, std::string_view name, std::string_view where) {
@@ -277,6 +315,10 @@ std::string to_toml(const Value& value) {
   if (const auto* v = std::get_if<double>(&value)) return real_text(*v);
   if (const auto* v = std::get_if<std::string>(&value)) return quoted(*v);
   std::string out = "[";
+  if (const auto* rows = std::get_if<Rows>(&value)) {
+    for (const Row& row : *rows) out += (out.size() > 1 ? ", " : "") + row_text(row);
+    return out + "]";
+  }
   for (double v : std::get<std::vector<double>>(value)) out += (out.size() > 1 ? ", " : "") + real_text(v);
   return out + "]";
 }
@@ -294,6 +336,11 @@ std::string allowed(const ParamInfo& info) {
       std::string out;
       for (const std::string& choice : info.choices) out += (out.empty() ? "" : " | ") + choice;
       return out;
+    }
+    case ValueKind::rows: {
+      std::string out;
+      for (const ParamInfo& column : info.columns) out += (out.empty() ? "" : ", ") + column.name;
+      return "rows of " + out;
     }
     case ValueKind::numbers:
       break;

@@ -12,11 +12,15 @@
 
 namespace tafoni {
 
-/// A parameter's value: what a scene file or `--set` can say.
-using Value = std::variant<bool, std::int64_t, double, std::string, std::vector<double>>;
+/// A table: rows of text by column. A checked one has every column in every row.
+using Row = std::map<std::string, std::string, std::less<>>;
+using Rows = std::vector<Row>;
+
+/// A parameter's value: what a scene file or `--set` can say; rows, only a scene file.
+using Value = std::variant<bool, std::int64_t, double, std::string, std::vector<double>, Rows>;
 using Values = std::map<std::string, Value, std::less<>>;
 
-enum class ValueKind { boolean, integer, real, text, choice, numbers };
+enum class ValueKind { boolean, integer, real, text, choice, numbers, rows };
 
 struct ParamInfo {
   std::string name;
@@ -27,6 +31,7 @@ struct ParamInfo {
   double min = 0, max = 0;           ///< allowed range of integer, real and each of numbers
   std::vector<std::string> choices;  ///< of a choice
   std::size_t count = 0;             ///< of numbers: how many, 0 for any
+  std::vector<ParamInfo> columns;    ///< of rows: texts
   void (*store)(const ParamInfo&, void* object, const Value&) = nullptr;
   Value (*load)(const ParamInfo&, const void* object) = nullptr;
   alignas(8) unsigned char member[16] = {};  ///< the member pointer, as bytes; see ParamTable
@@ -46,6 +51,8 @@ class ParamTable {
                      std::string doc);
   ParamTable& numbers(std::string name, std::vector<double> P::*member, std::string unit, std::size_t count,
                       double min, double max, std::string doc);
+  /// A table of text; see column(). In a scene file [[layer.NAME]], once a row, or an array of inline tables.
+  ParamTable& rows(std::string name, Rows P::*member, std::vector<ParamInfo> columns, std::string doc);
   const std::vector<ParamInfo>& infos() const { return infos_; }
   operator std::vector<ParamInfo>() const { return infos_; }
 
@@ -55,14 +62,19 @@ class ParamTable {
   std::vector<ParamInfo> infos_;
 };
 
+/// A column of ParamTable::rows(), with the text of a row that says nothing.
+ParamInfo column(std::string name, std::string init, std::string doc);
+
 /// Checks `value` against `info` and converts where nothing is lost (an integer for a real, a number for a
-/// list of one). Throws Error{usage}: "WHERE: NAME = 12 is outside 0 to 10 m".
+/// list of one); gives rows the columns that they lack. Throws Error{usage}: "WHERE: NAME = 12 is outside 0
+/// to 10 m".
 Value checked(const ParamInfo& info, const Value& value, std::string_view where);
 
-/// Reads what `--set NAME=TEXT` says as `info`'s kind. Throws Error{usage}.
+/// Reads what `--set NAME=TEXT` says as `info`'s kind; rows cannot be said so. Throws Error{usage}.
 Value parsed(const ParamInfo& info, std::string_view text, std::string_view where);
 
 /// Stores `values` into the object of `infos`. An unknown name is an error that names the nearest known one.
+/// Rows that `values` do not name keep what the object has, with the columns that they lack.
 void assign(std::span<const ParamInfo> infos, void* object, const Values& values, std::string_view where);
 
 /// Finds a parameter by name, or throws Error{usage} naming the nearest known one.
@@ -71,7 +83,7 @@ const ParamInfo& find_param(std::span<const ParamInfo> infos, std::string_view n
 /// The name nearest to `word` by edit distance, empty when none is near.
 std::string nearest(std::string_view word, std::span<const std::string> known);
 
-/// A value as a scene file writes it.
+/// A value as a scene file writes it, on one line.
 std::string to_toml(const Value& value);
 
 /// "0 to 10 m", "soft | hard": what `info` allows, for help and error texts.

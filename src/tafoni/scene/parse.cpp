@@ -57,6 +57,14 @@ std::optional<Value> to_value(const toml::node& node) {
   return Value(std::move(numbers));
 }
 
+/// A cell of a table: text, or the text of a number, true or false.
+std::optional<std::string> to_cell(const toml::node& node) {
+  if (const auto* v = node.as_string()) return v->get();
+  if (node.is_array()) return {};
+  const auto value = to_value(node);
+  return value ? std::optional(to_toml(*value)) : std::nullopt;
+}
+
 class Reader {
  public:
   explicit Reader(const std::filesystem::path& file) : file_(file) {}
@@ -90,11 +98,35 @@ class Reader {
         unknown(key, owner, known);
       }
       const std::string where = place(file_, key.source());
-      const auto value = to_value(node);
+      const auto value = info->kind == ValueKind::rows ? rows(node, *info) : to_value(node);
       if (!value)
         fail(ErrorKind::input, "{}: {} must be {}, not {}", where, info->name, allowed(*info), kind_of(node));
       impl::store(common, object, values, *info, as_input([&] { return checked(*info, *value, where); }));
     }
+  }
+
+  /// Empty for what is not an array of tables.
+  std::optional<Value> rows(const toml::node& node, const ParamInfo& info) const {
+    const auto* array = node.as_array();
+    if (!array) return {};
+    Rows out;
+    for (const toml::node& item : *array) {
+      const auto* table = item.as_table();
+      if (!table) return {};
+      Row& row = out.emplace_back();
+      for (auto&& [key, cell] : *table) {
+        std::vector<std::string> known;
+        for (const ParamInfo& column : info.columns) known.push_back(column.name);
+        if (std::find(known.begin(), known.end(), key.str()) == known.end())
+          unknown(key, fmt::format("a row of \"{}\"", info.name), known);
+        const auto text = to_cell(cell);
+        if (!text)
+          fail(ErrorKind::input, "{}: {} must be text or a number, not {}", place(file_, key.source()),
+               shown(key.str()), kind_of(cell));
+        row.emplace(key.str(), *text);
+      }
+    }
+    return Value(std::move(out));
   }
 
   /// The key "type" of a block.

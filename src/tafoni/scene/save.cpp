@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <iterator>
 #include <span>
+
+#include <fmt/format.h>
 
 #include "tafoni/core/atomic_file.h"
 #include "tafoni/core/error.h"
@@ -39,8 +42,23 @@ View view(const Layer& l) {
   return {"[[layer]]", l.type, layer_params(), params_of_layer(l.type), &l.settings, &l.values, l.line};
 }
 
-/// An empty list has no text of its own: the key is left out.
-std::string text_of(const Value& value) {
+/// The cells of a row that differ from the defaults.
+std::vector<std::string> cells(const ParamInfo& info, const Row& row) {
+  std::vector<std::string> out;
+  for (const ParamInfo& column : info.columns)
+    if (const Value text = row.at(column.name); text != column.init)
+      out.push_back(column.name + " = " + to_toml(text));
+  return out;
+}
+
+/// An empty list has no text of its own, the key is left out; but a table may be emptied.
+std::string text_of(const ParamInfo& info, const Value& value) {
+  if (const auto* rows = std::get_if<Rows>(&value)) {
+    if (rows->empty()) return value == info.init ? "" : "[]";
+    std::string out = "[\n";
+    for (const Row& row : *rows) out += fmt::format("  {{{}}},\n", fmt::join(cells(info, row), ", "));
+    return out + "]";
+  }
   const auto* list = std::get_if<std::vector<double>>(&value);
   return list && list->empty() ? std::string() : to_toml(value);
 }
@@ -51,7 +69,7 @@ std::string fresh(const View& v) {
   if (!v.type.empty()) out += "type = " + to_toml(v.type) + "\n";
   for (const ParamInfo& info : v.infos())
     if (const Value value = v.value(info); value != info.init)
-      out += fmt::format("{} = {}\n", info.name, text_of(value));
+      out += fmt::format("{} = {}\n", info.name, text_of(info, value));
   return out;
 }
 
@@ -69,14 +87,6 @@ std::string fresh(const Document& document) {
   return out;
 }
 
-std::string edited(impl::Block block, const View& before, const View& now) {
-  for (const ParamInfo& info : now.infos()) {
-    const Value value = now.value(info);
-    if (before.value(info) != value) impl::edit(block, info.name, text_of(value));
-  }
-  return block.text;
-}
-
 /// Joins texts of blocks so that a blank line stands between them.
 void join(std::string& out, const std::string& text) {
   if (!out.empty() && !text.empty()) {
@@ -84,6 +94,68 @@ void join(std::string& out, const std::string& text) {
     if (!out.ends_with("\n\n") && text.front() != '\n') out += '\n';
   }
   out += text;
+}
+
+/// Which row of `before` each row of `now` was: an equal one, else the one in its place; -1 for a new one.
+std::vector<int> origins(const Rows& before, const Rows& now) {
+  std::vector<int> out(now.size(), -1);
+  std::vector<bool> used(before.size(), false);
+  for (const bool equal : {true, false})
+    for (std::size_t i = 0; i < now.size(); ++i)
+      for (std::size_t j = equal ? 0 : i; out[i] < 0 && j < (equal ? before.size() : i + 1); ++j)
+        if (j < before.size() && !used[j] && (!equal || before[j] == now[i])) {
+          out[i] = static_cast<int>(j);
+          used[j] = true;
+        }
+  return out;
+}
+
+/// The blocks [[layer.NAME]] of a table, made to say `now`.
+std::vector<impl::Block> edited_rows(const std::vector<impl::Block>& blocks, const ParamInfo& info,
+                                     const Rows& before, const Rows& now) {
+  std::vector<impl::Block> out;
+  const std::vector<int> from = origins(before, now);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (from[i] < 0) {
+      out.push_back({blocks.front().name, 0, {}});
+      out.back().text = fmt::format("[[{}]]\n", out.back().name);
+      for (const std::string& cell : cells(info, now[i])) out.back().text += cell + "\n";
+      continue;
+    }
+    const auto j = static_cast<std::size_t>(from[i]);
+    out.push_back(blocks[j]);
+    for (const ParamInfo& column : info.columns) {
+      const std::string& text = now[i].at(column.name);
+      if (text != before[j].at(column.name))
+        impl::edit(out.back(), column.name, Value(text) == column.init ? "" : to_toml(text));
+    }
+  }
+  return out;
+}
+
+void edit(std::vector<impl::Block>& parts, const ParamInfo& info, const Value& before, const Value& now) {
+  const std::string nested = parts.front().name + "." + info.name;
+  const auto is_row = [&](const impl::Block& part) { return part.name == nested; };
+  std::vector<impl::Block> rows;
+  std::copy_if(parts.begin(), parts.end(), std::back_inserter(rows), is_row);
+  const auto* old_rows = std::get_if<Rows>(&before);
+  if (rows.empty() || !old_rows || rows.size() != old_rows->size())
+    return impl::edit(parts.front(), info.name, text_of(info, now));
+  rows = edited_rows(rows, info, *old_rows, std::get<Rows>(now));
+  const auto first = std::find_if(parts.begin(), parts.end(), is_row) - parts.begin();
+  std::erase_if(parts, is_row);
+  parts.insert(parts.begin() + first, rows.begin(), rows.end());
+  if (rows.empty()) impl::edit(parts.front(), info.name, text_of(info, now));
+}
+
+std::string edited(const impl::Block& block, const View& before, const View& now) {
+  std::vector<impl::Block> parts = impl::parts(block);
+  for (const ParamInfo& info : now.infos())
+    if (const Value old = before.value(info), value = now.value(info); old != value)
+      edit(parts, info, old, value);
+  std::string out = parts.front().text;
+  for (std::size_t i = 1; i < parts.size(); ++i) join(out, parts[i].text);
+  return out;
 }
 
 /// The blocks [[name]] of a text, refilled in order with `now`: the ones that were read are edited where

@@ -77,4 +77,13 @@ ParamTable<P>& ParamTable<P>::numbers(std::string name, std::vector<double> P::*
   return *this;
 }
 
+template <class P>
+ParamTable<P>& ParamTable<P>::rows(std::string name, Rows P::*member, std::vector<ParamInfo> columns,
+                                   std::string doc) {
+  auto& info = add(std::move(name), member, std::move(doc), ValueKind::rows);
+  info.columns = std::move(columns);
+  info.init = checked(info, info.init, "default");
+  return *this;
+}
+
 }  // namespace tafoni

@@ -19,6 +19,7 @@ struct Example {
   std::string profile = "soft";
   std::vector<double> axis = {0, 0, 1};
   std::vector<double> weights = {1};
+  Rows rule = {{{"from", "A"}, {"to", "B"}}, {{"from", "B"}, {"chance", "0.5"}}};
 };
 
 const std::vector<ParamInfo>& infos() {
@@ -30,7 +31,11 @@ const std::vector<ParamInfo>& infos() {
         .text("label", &Example::label, "a name")
         .choice("profile", &Example::profile, {"soft", "hard"}, "the rock's profile")
         .numbers("axis", &Example::axis, "", 3, -1, 1, "a direction")
-        .numbers("weights", &Example::weights, "", 0, 0, 1, "any number of weights");
+        .numbers("weights", &Example::weights, "", 0, 0, 1, "any number of weights")
+        .rows("rule", &Example::rule,
+              {column("from", "", "what is replaced"), column("to", "", "by what"),
+               column("chance", "1", "how often")},
+              "productions");
     return t;
   }();
   return table.infos();
@@ -126,8 +131,8 @@ TEST(Params, SentencesNameThePlaceTheValueAndTheRange) {
 TEST(Params, UnknownNameGetsTheNearest) {
   EXPECT_EQ(set_error({{"rnage", 1.0}}), "sea-cliff: unknown parameter \"rnage\"; did you mean \"range\"?");
   EXPECT_EQ(set_error({{"zzzzzz", 1.0}}),
-            "sea-cliff: unknown parameter \"zzzzzz\"; known are range, steps, wet, label, profile, axis and "
-            "weights");
+            "sea-cliff: unknown parameter \"zzzzzz\"; known are range, steps, wet, label, profile, axis, "
+            "weights and rule");
   EXPECT_EQ(error_of([] { find_param({}, "a", "plain"); }),
             "plain: unknown parameter \"a\"; it has no parameters");
 }
@@ -156,6 +161,31 @@ TEST(Params, ParseErrors) {
   EXPECT_EQ(parse_error("axis", "1,2,"), "sea-cliff: axis must be 3 numbers, each -1 to 1, not \"1,2,\"");
 }
 
+TEST(Params, RowsGetTheColumnsTheyLack) {
+  const Rows given = {{{"from", "A"}}, {{"to", "B"}, {"chance", "0.2"}}};
+  const Rows full = {{{"from", "A"}, {"to", ""}, {"chance", "1"}},
+                     {{"from", ""}, {"to", "B"}, {"chance", "0.2"}}};
+  EXPECT_EQ(checked(info("rule"), given, "w"), Value(full));
+  EXPECT_EQ(checked(info("rule"), full, "w"), Value(full));
+  EXPECT_EQ(checked(info("rule"), std::vector<double>{}, "w"), Value(Rows{}));
+  EXPECT_EQ(std::get<Rows>(info("rule").init)[1].at("to"), "");
+  Example e;
+  assign(infos(), &e, {}, "hoodoo");
+  EXPECT_EQ(Value(e.rule), info("rule").init);
+  assign(infos(), &e, {{"rule", given}}, "hoodoo");
+  EXPECT_EQ(e.rule, full);
+  EXPECT_EQ(info("rule").load(info("rule"), &e), Value(full));
+}
+
+TEST(Params, RowErrors) {
+  EXPECT_EQ(set_error({{"rule", Rows{{}, {{"form", "A"}}}}}),
+            "sea-cliff: rule, row 2: unknown parameter \"form\"; did you mean \"from\"?");
+  EXPECT_EQ(set_error({{"rule", 3.0}}), "sea-cliff: rule must be rows of from, to, chance, not 3.0");
+  EXPECT_EQ(set_error({{"range", Rows{}}}), "sea-cliff: range must be a number, 0.1 to 1000 m, not []");
+  EXPECT_EQ(parse_error("rule", "[{from = 1}]"),
+            "sea-cliff: rule is a table, which only a scene file can give");
+}
+
 TEST(Params, Nearest) {
   const std::vector<std::string> known = {"sea-cliff", "karst", "amplitude", "sea_level"};
   EXPECT_EQ(nearest("karts", known), "karst");
@@ -176,6 +206,7 @@ TEST(Params, ToToml) {
   EXPECT_EQ(to_toml(Value(true)), "true");
   EXPECT_EQ(to_toml(Value(std::string("a\"b\\c\nd\x01"))), "\"a\\\"b\\\\c\\nd\\u0001\"");
   EXPECT_EQ(to_toml(Value(std::vector<double>{1, -0.5})), "[1.0, -0.5]");
+  EXPECT_EQ(to_toml(Value(Rows{{{"a", "x\"y"}, {"b", ""}}, {}})), "[{a = \"x\\\"y\", b = \"\"}, {}]");
 }
 
 TEST(Params, Allowed) {

@@ -96,7 +96,10 @@ std::vector<Statement> statements(std::string_view text) {
   return out;
 }
 
-std::vector<Block> blocks(std::string_view text) {
+namespace {
+
+/// Cuts a text that begins on line `first_line` before each header with `dots` dots in its name.
+std::vector<Block> cut(std::string_view text, int first_line, std::ptrdiff_t dots) {
   std::vector<Block> out(1);
   const auto all = statements(text);
   const auto blank_line = [&](const Statement& s) {
@@ -106,14 +109,32 @@ std::vector<Block> blocks(std::string_view text) {
   };
   std::size_t begin = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (all[i].kind != Statement::header) continue;
+    const std::string& name = all[i].name;
+    if (all[i].kind != Statement::header || std::count(name.begin(), name.end(), '.') != dots) continue;
     std::size_t first = i;
     while (first > 0 && all[first - 1].kind == Statement::comment && !blank_line(all[first - 1])) --first;
     out.back().text = text.substr(begin, all[first].begin - begin);
     begin = all[first].begin;
-    out.push_back({all[i].name, all[i].line, {}});
+    out.push_back({name, first_line + all[i].line - 1, {}});
   }
   out.back().text = text.substr(begin);
+  return out;
+}
+
+}  // namespace
+
+std::vector<Block> blocks(std::string_view text) {
+  return cut(text, 1, 0);
+}
+
+std::vector<Block> parts(const Block& block) {
+  const auto all = statements(block.text);
+  const auto header =
+      std::find_if(all.begin(), all.end(), [](const Statement& s) { return s.kind == Statement::header; });
+  const int first_line = header == all.end() ? 1 : block.line - header->line + 1;
+  auto out = cut(block.text, first_line, std::count(block.name.begin(), block.name.end(), '.') + 1);
+  out.front().name = block.name;
+  out.front().line = block.line;
   return out;
 }
 

@@ -20,8 +20,8 @@ struct Statement {
 
 std::vector<Statement> statements(std::string_view text);
 
-/// A header with all up to the next one; comments directly above a header belong to it. The first block has
-/// no header and may be empty.
+/// A header with all up to the next one that is not nested in it, as [[layer.rule]] is in [[layer]]; comments
+/// directly above a header belong to it. The first block has no header and may be empty.
 struct Block {
   std::string name;  ///< of the header
   int line = 0;      ///< of the header; 0 for the first block
@@ -30,7 +30,11 @@ struct Block {
 
 std::vector<Block> blocks(std::string_view text);
 
-/// Replaces the value of `key`, or adds the key after the block's last one. An empty `value` removes it.
+/// What the block says itself, then the blocks nested directly in it with all that is nested in them.
+std::vector<Block> parts(const Block& block);
+
+/// Replaces the value of `key`, or adds the key after the block's last one. An empty `value` removes it. The
+/// block must have nothing nested in it.
 void edit(Block& block, std::string_view key, const std::string& value);
 
 }  // namespace tafoni::scene::impl

@@ -224,6 +224,69 @@ TEST(ToText, UnusualLayoutsStillReadBack) {
   }
 }
 
+/// A layer with a table of two rows between two others, for each landform that has a table.
+struct TableScene {
+  std::string type, table, column, text;
+};
+
+std::vector<TableScene> table_scenes() {
+  std::vector<TableScene> out;
+  for (const auto* type : landforms::all_landforms())
+    for (const ParamInfo& info : type->params)
+      if (!info.columns.empty()) {
+        const std::string& column = info.columns.front().name;
+        const std::string row = fmt::format("[[layer.{}]]\n{} = ", info.name, column);
+        out.push_back({type->name, info.name, column,
+                       fmt::format("[terrain]\nsource = \"a.tif\"\n\n[[layer]]\ntype = \"karst\"\n\n"
+                                   "[[layer]]\ntype = \"{}\"\n\n# One.\n{}\"A\"  # kept\n\n# Two.\n{}2\n\n"
+                                   "# Last.\n[[layer]]\ntype = \"sea-cliff\"\n",
+                                   type->name, row, row)});
+      }
+  return out;
+}
+
+TEST(Tables, AreReadAndWritten) {
+  if (table_scenes().empty()) GTEST_SKIP() << "no landform has a table";
+  for (const TableScene& scene : table_scenes()) {
+    const Document read = parse_scene(scene.text, "s.toml");
+    const auto table = [&](Document& d) -> Rows& { return std::get<Rows>(d.layers[1].values[scene.table]); };
+    Document d = read;
+    ASSERT_EQ(table(d).size(), 2u);
+    EXPECT_EQ(table(d)[0].at(scene.column), "A");
+    EXPECT_EQ(table(d)[1].at(scene.column), "2");
+
+    table(d)[0].at(scene.column) = "B";
+    EXPECT_THAT(to_text(d), HasSubstr(fmt::format("# One.\n[[layer.{}]]\n{} = \"B\"  # kept\n", scene.table,
+                                                  scene.column)));
+    table(d).insert(table(d).begin(), table(d)[1]);
+    table(d)[0].at(scene.column) = "new";
+    for (const char* kept : {"# One.", "# kept", "# Two.", "# Last."})
+      EXPECT_THAT(to_text(d), HasSubstr(kept));
+    std::swap(d.layers[0], d.layers[1]);
+    EXPECT_TRUE(same(parse_scene(to_text(d), "s.toml"), d)) << to_text(d);
+    d.layers[0].values[scene.table] = Rows{};
+    EXPECT_TRUE(same(parse_scene(to_text(d), "s.toml"), d)) << to_text(d);
+
+    Document fresh = read;
+    fresh.text.clear();
+    EXPECT_TRUE(same(parse_scene(to_text(fresh), "s.toml"), read)) << to_text(fresh);
+  }
+}
+
+TEST(Tables, SayWhatIsWrong) {
+  if (table_scenes().empty()) GTEST_SKIP() << "no landform has a table";
+  const TableScene s = table_scenes().front();
+  const std::string head = fmt::format("[terrain]\nsource = \"a\"\n[[layer]]\ntype = \"{}\"\n", s.type);
+  EXPECT_THAT(
+      message(head + fmt::format("[[layer.{}]]\n{}x = 1", s.table, s.column)),
+      HasSubstr(fmt::format("dir/s.toml:6: unknown key \"{}x\" in a row of \"{}\"; did you mean \"{}\"?",
+                            s.column, s.table, s.column)));
+  EXPECT_THAT(message(head + fmt::format("{} = 3", s.table)),
+              HasSubstr(fmt::format("dir/s.toml:5: {} must be rows of {}", s.table, s.column)));
+  EXPECT_THAT(message(head + fmt::format("{} = [{{{} = [1]}}]", s.table, s.column)),
+              HasSubstr(fmt::format("dir/s.toml:5: {} must be text or a number, not an array", s.column)));
+}
+
 TEST(SaveScene, PathsFollowTheFile) {
   namespace fs = std::filesystem;
   const fs::path root = fs::path(::testing::TempDir()) / "tafoni_save_scene";
