@@ -10,12 +10,15 @@
 #include "tafoni/core/random.h"
 #include "tafoni/terrain/generator.h"
 #include "tafoni/terrain/impl/contour.h"
+#include "tafoni/terrain/impl/face.h"
 #include "tafoni/terrain/impl/plane_noise.h"
 
 namespace tafoni::terrain {
 namespace {
 
 using impl::PlaneNoise;
+using impl::smooth;
+using impl::soft_min;
 
 struct Coast : GridSettings {
   double sea = 0.34;
@@ -49,17 +52,6 @@ const ParamTable<Coast>& table() {
   return params;
 }
 
-double smooth(double t) {
-  t = std::clamp(t, 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
-
-/// A minimum whose corner is rounded over a height of about r.
-double soft_min(double a, double b, double r) {
-  const double h = std::max(r - std::abs(a - b), 0.0) / r;
-  return std::min(a, b) - h * h * r * 0.25;
-}
-
 struct Stack {
   Vec2d center;
   double radius, top;
@@ -82,39 +74,6 @@ struct Doline {
   Vec2d center;
   double radius, depth;
   bool collapsed;
-};
-
-/// Horizontal reach of a bedded rock face by height: hard beds stand steep, soft ones lie back as ledges.
-class Face {
- public:
-  Face(double height, std::uint64_t seed) {
-    Random random(seed, 11);
-    double x = 0, top = 0, cotangent = 0;
-    bool hard = false;
-    for (double z = 0; z <= height + step; z += step) {
-      if (z >= top) {
-        hard = !hard;
-        top = z + (hard ? random.uniform(6, 14) : random.uniform(1, 3.5));
-        cotangent = hard ? random.uniform(0.04, 0.11) : random.uniform(0.5, 1.2);
-      }
-      reach_.push_back(x);
-      x += step * cotangent;
-    }
-  }
-
-  /// Height at a distance behind the foot.
-  double height(double x) const {
-    if (x <= 0) return 0;
-    const auto above = std::upper_bound(reach_.begin(), reach_.end(), x);
-    const auto i = static_cast<double>(above - reach_.begin());
-    if (above == reach_.end()) return i * step;
-    const double x0 = *(above - 1), x1 = *above;
-    return (i - 1 + (x - x0) / (x1 - x0)) * step;
-  }
-
- private:
-  static constexpr double step = 0.25;
-  std::vector<double> reach_;
 };
 
 /// A line on the map: the zero of a function that is positive on its landward side.
@@ -141,7 +100,7 @@ class Builder {
         width_(static_cast<int>(p.width)),
         height_(static_cast<int>(p.height)),
         extent_{p.pixel * static_cast<double>(p.width), p.pixel * static_cast<double>(p.height)},
-        face_(6 * p.cliff, seed) {
+        face_(6 * p.cliff, {}, seed) {
     for (Line* line : {&shore_, &foot_}) {
       line->inside.values = raster::Grid<float>(width_, height_);
       line->inside.placement = {0, extent_.y, p.pixel, p.pixel};
@@ -443,7 +402,7 @@ class Builder {
   std::uint64_t seed_;
   int width_, height_;
   Vec2d extent_;
-  Face face_;
+  impl::Face face_;
   std::vector<Inlet> inlets_;
   std::vector<Stack> stacks_;
   std::vector<Doline> dolines_;

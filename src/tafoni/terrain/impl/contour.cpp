@@ -1,6 +1,8 @@
 #include "tafoni/terrain/impl/contour.h"
 
-#include <limits>
+#include <utility>
+
+#include "tafoni/terrain/impl/spread.h"
 
 namespace tafoni::terrain::impl {
 namespace {
@@ -11,7 +13,7 @@ double squared(Vec2d a) {
 
 class Tracer {
  public:
-  explicit Tracer(const raster::Raster& values) : values_(values) {
+  explicit Tracer(const raster::Raster& values) : values_(values), spread_(out_.nearest, away_) {
     out_.nearest = raster::Grid<std::int32_t>(values.width(), values.height(), -1);
   }
 
@@ -22,12 +24,19 @@ class Tracer {
         if (col + 1 < width) cross(col, row, col + 1, row);
         if (row + 1 < height) cross(col, row, col, row + 1);
       }
-    for (int row = 0; row < height; ++row) sweep(row, -1);
-    for (int row = height - 1; row >= 0; --row) sweep(row, 1);
+    spread_.run();
     return std::move(out_);
   }
 
  private:
+  struct Away {
+    const Tracer& tracer;
+    double operator()(int col, int row, std::int32_t point) const {
+      return squared(tracer.out_.points[static_cast<std::size_t>(point)] -
+                     tracer.values_.placement.center(col, row));
+    }
+  };
+
   void cross(int col, int row, int col2, int row2) {
     const double a = static_cast<double>(values_.values.at(col, row));
     const double b = static_cast<double>(values_.values.at(col2, row2));
@@ -35,37 +44,14 @@ class Tracer {
     const double t = a / (a - b);
     out_.points.push_back(values_.placement.center(col + t * (col2 - col), row + t * (row2 - row)));
     const auto point = static_cast<std::int32_t>(out_.points.size() - 1);
-    offer(col, row, point);
-    offer(col2, row2, point);
-  }
-
-  void offer(int col, int row, std::int32_t point) {
-    if (point < 0) return;
-    std::int32_t& mine = out_.nearest.at(col, row);
-    if (mine < 0 || away(col, row, point) < away(col, row, mine)) mine = point;
-  }
-
-  double away(int col, int row, std::int32_t point) const {
-    return squared(out_.points[static_cast<std::size_t>(point)] - values_.placement.center(col, row));
-  }
-
-  /// Takes what the row at `from` knows, then passes it along in both directions.
-  void sweep(int row, int from) {
-    const int width = values_.width();
-    const auto take = [&](int col, int dc, int dr) {
-      if (out_.nearest.inside(col + dc, row + dr)) offer(col, row, out_.nearest.at(col + dc, row + dr));
-    };
-    for (int col = 0; col < width; ++col) {
-      take(col, -1, from);
-      take(col, 0, from);
-      take(col, 1, from);
-      take(col, -1, 0);
-    }
-    for (int col = width - 1; col >= 0; --col) take(col, 1, 0);
+    spread_.offer(col, row, point);
+    spread_.offer(col2, row2, point);
   }
 
   const raster::Raster& values_;
   Contour out_;
+  Away away_{*this};
+  Spread<Away> spread_;
 };
 
 }  // namespace

@@ -1,0 +1,187 @@
+#include "tafoni/terrain/impl/valleys.h"
+
+#include <numbers>
+
+#include "tafoni/terrain/impl/spread.h"
+
+namespace tafoni::terrain::impl {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+double distance(Vec2d a, Vec2d b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+}  // namespace
+
+Valleys::Valleys(Vec2d extent, double step, std::uint64_t seed)
+    : extent_(extent),
+      step_(step),
+      margin_(0.12 * std::min(extent.x, extent.y)),
+      cell_size_(std::max(10 * step, 0.02 * std::min(extent.x, extent.y))),
+      seed_(seed) {}
+
+bool Valleys::on_map(Vec2d p) const {
+  return p.x > -margin_ && p.y > -margin_ && p.x < extent_.x + margin_ && p.y < extent_.y + margin_;
+}
+
+River Valleys::walk(RiverPoint from, double heading, double length, const Winding& winding,
+                    Random random) const {
+  River river;
+  const double phase = random.uniform(0, 2 * pi);
+  double stray = 0, drift = 0, turn = 0;
+  const double patience = 0.4 * winding.wavelength;
+  for (double s = 0; s < length; s += step_) {
+    from.along = s;
+    river.push_back(from);
+    // A bounded random walk of the direction, and meanders of uneven length.
+    drift += (random.uniform(-1, 1) * std::sqrt(step_ / patience) - drift * step_ / patience);
+    stray += (winding.wander * drift - stray) * std::min(1.0, step_ / patience);
+    turn += 2 * pi * step_ / winding.wavelength * (1 + 0.35 * drift);
+    const double way = heading + stray + winding.swing * std::sin(turn + phase);
+    from.position = from.position + heading_vector(way) * step_;
+  }
+  return river;
+}
+
+void Valleys::add_main(double middle, double bed, double gradient, double half_width, const Winding& winding,
+                       bool to_north) {
+  const double across = to_north ? extent_.x : extent_.y, along = to_north ? extent_.y : extent_.x;
+  const double heading = to_north ? pi / 2 : pi;
+  RiverPoint mouth{{0, 0}, bed, half_width};
+  River river = walk(mouth, heading, 4 * (along + 2 * margin_), winding, Random(seed_, 31));
+  // Cut where it has crossed the map, then put in its place.
+  const auto progress = [&](Vec2d p) { return to_north ? p.y : -p.x; };
+  std::size_t end = 0;
+  while (end + 1 < river.size() && progress(river[end].position) < along + 2 * margin_) ++end;
+  river.resize(end + 1);
+  double mean = 0;
+  for (const RiverPoint& p : river) mean += to_north ? p.position.x : p.position.y;
+  mean /= static_cast<double>(river.size());
+  const Vec2d shift =
+      to_north ? Vec2d{middle * across - mean, -margin_} : Vec2d{extent_.x + margin_, middle * across - mean};
+  Random random(seed_, 32);
+  const double phase = random.uniform(0, 2 * pi);
+  for (RiverPoint& p : river) {
+    p.position = p.position + shift;
+    p.bed = bed + gradient * p.along;
+    p.half_width = half_width * (1 + 0.25 * std::sin(phase + 2.6 * p.along / winding.wavelength * pi));
+  }
+  rivers_.push_back(std::move(river));
+  occupy(rivers_.size() - 1);
+}
+
+std::uint64_t Valleys::cell(Vec2d p, int dx, int dy) const {
+  const auto x = static_cast<std::int64_t>(std::floor(p.x / cell_size_)) + dx;
+  const auto y = static_cast<std::int64_t>(std::floor(p.y / cell_size_)) + dy;
+  return static_cast<std::uint64_t>(x) * 0x100000001ull ^ static_cast<std::uint64_t>(y);
+}
+
+void Valleys::occupy(std::size_t river) {
+  // A point every quarter of a cell will do.
+  const auto stride = static_cast<std::size_t>(std::max(1.0, 0.25 * cell_size_ / step_));
+  for (std::size_t i = 0; i < rivers_[river].size(); i += stride)
+    visits_[cell(rivers_[river][i].position, 0, 0)].push_back(
+        {static_cast<std::uint32_t>(river), static_cast<std::uint32_t>(i)});
+}
+
+bool Valleys::crowded(Vec2d p, double apart, std::size_t parent, Vec2d mouth) const {
+  const int n = std::clamp(static_cast<int>(std::ceil(apart / cell_size_)), 1, 8);
+  for (int dy = -n; dy <= n; ++dy)
+    for (int dx = -n; dx <= n; ++dx) {
+      const auto found = visits_.find(cell(p, dx, dy));
+      if (found == visits_.end()) continue;
+      for (const Visit& visit : found->second) {
+        const Vec2d other = rivers_[visit.river][visit.point].position;
+        const bool home = visit.river == parent && distance(p, mouth) < 2 * apart;
+        if (!home && distance(p, other) < apart) return true;
+      }
+    }
+  return false;
+}
+
+void Valleys::add_sides(const SideValleys& sides, int generation) {
+  const std::size_t parents = rivers_.size();
+  const auto stream = [&](std::uint64_t kind) {
+    return hash_combine(kind, static_cast<std::uint64_t>(generation));
+  };
+  Random random(seed_, stream(33));
+  for (std::size_t parent = 0; parent < parents; ++parent) {
+    const double whole = rivers_[parent].back().along;
+    const auto wanted = static_cast<int>(std::min(400.0, std::round(sides.per_km * whole / 1000)));
+    const double hand = random.uniform() < 0.5 ? 1 : -1;
+    for (int i = 0; i < wanted; ++i) {
+      const double at =
+          (i + random.uniform(0.1, 0.9)) / wanted * static_cast<double>(rivers_[parent].size() - 1);
+      const double angle = random.uniform(0.75, 1.35),
+                   length = random.uniform(sides.length[0], sides.length[1]);
+      const std::uint64_t own = random.next();
+      const auto k = std::clamp<std::size_t>(static_cast<std::size_t>(at), 1, rivers_[parent].size() - 1);
+      if (rivers_[parent].size() < 4) continue;
+      const RiverPoint mouth = rivers_[parent][k];
+      const std::size_t before = k > 6 ? k - 6 : 0;
+      const Vec2d up = mouth.position - rivers_[parent][before].position;
+      const double heading = std::atan2(up.y, up.x) + (i % 2 ? hand : -hand) * angle;
+      River side = walk(mouth, heading, length, sides.winding, Random(seed_, own));
+      std::size_t n = 0;
+      while (n < side.size() && on_map(side[n].position) &&
+             !crowded(side[n].position, sides.apart, parent, mouth.position))
+        ++n;
+      side.resize(n);
+      const double reached = side.empty() ? 0 : side.back().along;
+      if (reached < 0.6 * sides.length[0] || reached < 1.5 * sides.apart) continue;
+      // Falls break the bed's even rise; between them it is gentler.
+      Random shape(own);
+      const double start = shape.uniform(0, 1);
+      for (RiverPoint& p : side) {
+        const double t = p.along / reached;
+        double rise = std::pow(t, sides.steepening);
+        if (sides.falls > 0) {
+          const double turns = rise * sides.falls + start, step = std::floor(turns);
+          const double stepped = (step + smooth((turns - step - 0.75) / 0.25) - start) / sides.falls;
+          rise += 0.7 * smooth(4 * t) * smooth(4 * (1 - t)) * (stepped - rise);
+        }
+        p.bed = mouth.bed + std::max(0.0, rise) * std::max(0.0, sides.head - mouth.bed);
+        const double least = std::min(sides.half_width[0], 0.7 * mouth.half_width);
+        p.half_width = least + (std::min(sides.half_width[1], least) - least) * std::sqrt(t);
+      }
+      rivers_.push_back(std::move(side));
+      occupy(rivers_.size() - 1);
+    }
+  }
+}
+
+ValleyMap::ValleyMap(const std::vector<River>& rivers, const Face& face, const raster::Placement& placement,
+                     int width, int height)
+    : placement_(placement), best_(width, height, -1) {
+  for (const River& river : rivers)
+    for (const RiverPoint& p : river) {
+      points_.push_back(p);
+      foot_.push_back(face.reach(p.bed) - p.half_width);
+    }
+  const auto cost = [this](int col, int row, std::int32_t index) {
+    const auto i = static_cast<std::size_t>(index);
+    return foot_[i] + distance(points_[i].position, placement_.center(col, row));
+  };
+  Spread spread(best_, cost);
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    // Points beyond the edge reach in by way of the nearest cell.
+    const Vec2d at = placement_.pixel(points_[i].position.x, points_[i].position.y);
+    spread.offer(static_cast<int>(std::lround(std::clamp(at.x, 0.0, width - 1.0))),
+                 static_cast<int>(std::lround(std::clamp(at.y, 0.0, height - 1.0))),
+                 static_cast<std::int32_t>(i));
+  }
+  spread.run();
+}
+
+ValleyMap::Place ValleyMap::at(Vec2d p) const {
+  const Vec2d pixel = placement_.pixel(p.x, p.y);
+  const int col = static_cast<int>(std::lround(std::clamp(pixel.x, 0.0, best_.width() - 1.0)));
+  const int row = static_cast<int>(std::lround(std::clamp(pixel.y, 0.0, best_.height() - 1.0)));
+  const auto i = static_cast<std::size_t>(best_.at(col, row));
+  const double d = distance(points_[i].position, p), half = points_[i].half_width;
+  return {foot_[i] + std::max(d, half), d - half, &points_[i]};
+}
+
+}  // namespace tafoni::terrain::impl
