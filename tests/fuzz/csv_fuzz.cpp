@@ -16,6 +16,7 @@ std::vector<std::string> fuzz_seeds();
 std::vector<std::string> fuzz_seeds() {
   return {"# spheres\nkind,x,y,z,radius,energy\npoint,500000.5,5500000.25,12,5,-7.5\nsphere,1,2,3,0.5,1e1\n",
           "x,y,z\n1,2,3\n4.5,-6,7e3\n",
+          "kind,x,y,z,energy,id,hx,turn\nbox,1,2,3,4,,5,90\ncurve,1,2,3,-4,a,,\ncurve,4,5,6,-4,a,,\n",
           "\xef\xbb\xbf"
           "energy,radius,z,y,x,kind\r\n1,2,3,4,5,point\r\n"};
 }
@@ -37,7 +38,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   check([&] {
     for (const auto& p : tafoni::scene::parse_primitives_csv(text, "fuzz.csv"))
-      if (!(p.radius > 0) || !std::isfinite(p.position.x) || !std::isfinite(p.energy)) std::abort();
+      if (p.shape.empty() || !(p.shape[0] > 0) || !std::isfinite(p.position.x) || !std::isfinite(p.energy))
+        std::abort();
   });
   check([&] {
     if (tafoni::scene::parse_points_csv(text, "fuzz.csv").size() > size) std::abort();

@@ -14,6 +14,7 @@
 #include "tafoni/landforms/landform.h"
 #include "tafoni/raster/resample.h"
 #include "tafoni/scene/csv.h"
+#include "tafoni/scene/impl/primitives_layer.h"
 #include "tafoni/terrain/generator.h"
 
 namespace tafoni::scene {
@@ -96,31 +97,15 @@ std::optional<landforms::Region> region_of(const Layer& layer, const BuiltScene&
   return region;
 }
 
-/// Explicit primitives of a CSV, as one cloud a kind.
-std::vector<field::NodePtr> read_primitives(const Layer& layer, const BuiltScene& scene,
+std::vector<field::NodePtr> read_primitives(const Layer& layer, std::uint64_t seed, const BuiltScene& scene,
                                             const landforms::Region* region) {
-  const auto file = scene.document.resolved(std::get<std::string>(layer.values.at("file")));
-  const std::string name = file.string();
-  const auto primitives = parse_primitives_csv(read_text(file), name);
-  std::vector<field::NodePtr> nodes;
-  for (const bool sphere : {false, true}) {
-    field::CloudSettings settings;
-    settings.kind = sphere ? "sphere" : "point";
-    settings.falloff = scene.settings.influence;
-    field::CloudBuilder cloud(settings);
-    for (const Primitive& p : primitives) {
-      const Vec3d local = p.position - scene.terrain.origin;
-      if (p.sphere != sphere || (region && !region->contains(local))) continue;
-      const float shape[] = {p.radius};
-      try {
-        cloud.add(local, p.energy, shape);
-      } catch (const Error& error) {
-        fail(ErrorKind::input, "{}:{}: {}", name, p.line, error.what());
-      }
-    }
-    if (cloud.size() > 0) nodes.push_back(cloud.finish());
-  }
-  return nodes;
+  impl::PrimitivesSettings settings;
+  assign(impl::primitives_params(), &settings, layer.values, "primitives");
+  const auto file = scene.document.resolved(settings.file);
+  std::function<bool(Vec3d)> keep;
+  if (region) keep = [region](Vec3d p) { return region->contains(p); };
+  return impl::make_primitives(read_text(file), file.string(), settings, scene.terrain.origin,
+                               scene.settings.influence, seed, keep);
 }
 
 LayerResult run_layer(const Layer& layer, std::uint64_t seed, const BuiltScene& scene, Progress& progress) {
@@ -131,7 +116,7 @@ LayerResult run_layer(const Layer& layer, std::uint64_t seed, const BuiltScene& 
   const auto region = region_of(layer, scene);
   const Vec3d o = scene.terrain.origin;
   if (layer.type == primitives_layer) {
-    result.made.nodes = read_primitives(layer, scene, region ? &*region : nullptr);
+    result.made.nodes = read_primitives(layer, seed, scene, region ? &*region : nullptr);
   } else {
     landforms::Site site;
     site.origin = o;

@@ -1,5 +1,6 @@
 #include "tafoni/scene/csv.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -7,7 +8,10 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <span>
 #include <string>
+
+#include <fmt/ranges.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/params.h"
@@ -51,6 +55,7 @@ class Lines {
     return false;
   }
   std::uint32_t number() const { return number_; }
+  std::string_view name() const { return name_; }
   const std::vector<std::string_view>& fields() const { return fields_; }
 
   template <class... Args>
@@ -99,56 +104,141 @@ std::string lower(std::string_view s) {
   return out;
 }
 
-float checked_float(const Lines& lines, std::size_t column, std::string_view title, double lo, double hi) {
-  const double value = lines.number_at(column, title);
-  if (value < lo || value > hi) lines.bad("{} = {} is outside {} to {} m", title, value, lo, hi);
-  return static_cast<float>(value);
-}
+/// The header of a primitives file, and each row as it says.
+class PrimitiveRows {
+ public:
+  PrimitiveRows(std::string_view text, std::string_view name) : lines_(text, name) {
+    if (!lines_.next())
+      fail(ErrorKind::input, "{}: is empty; expected a header with the columns kind, x, y, z and energy",
+           name);
+    for (const field::PrimitiveType* type : field::all_primitives()) kinds_.push_back(type->name);
+    read_header();
+  }
+
+  std::vector<Primitive> read() {
+    std::vector<Primitive> out;
+    std::string chain;  // the id of the last primitive, where rows may add to it
+    while (lines_.next()) {
+      if (lines_.fields().size() != titles_.size())
+        lines_.bad("has {} fields where the header has {}", lines_.fields().size(), titles_.size());
+      Primitive row = read_row();
+      const std::string_view id = at(id_);
+      if (!chain.empty() && row.kind == out.back().kind && id == chain) {
+        extend(out.back(), row);
+        continue;
+      }
+      finish_chain(out, chain);
+      chain = row.kind->variable ? id : std::string_view{};
+      if (row.kind->variable && id.empty())
+        lines_.bad("a {} needs an id: the rows of one id are its vertices", row.kind->name);
+      out.push_back(std::move(row));
+    }
+    finish_chain(out, chain);
+    return out;
+  }
+
+ private:
+  static constexpr std::size_t absent = static_cast<std::size_t>(-1);
+  static constexpr double energy_limit = 1e6;
+
+  void read_header() {
+    std::vector<std::string> known(common.begin(), common.end());
+    for (const field::PrimitiveType* type : field::all_primitives())
+      for (const ParamInfo& info : type->params)
+        if (std::find(known.begin(), known.end(), info.name) == known.end()) known.push_back(info.name);
+    for (std::string_view field : lines_.fields()) {
+      const std::string title = lower(field);
+      if (std::find(known.begin(), known.end(), title) == known.end()) {
+        const std::string near = nearest(title.substr(0, 40), known);
+        lines_.bad("column \"{}\" is not known; {}", shown(title),
+                   near.empty() ? fmt::format("known are {}", fmt::join(known, ", "))
+                                : fmt::format("did you mean {}?", near));
+      }
+      if (column(title) != absent) lines_.bad("column {} is given twice", title);
+      titles_.push_back(title);
+    }
+    for (std::string_view needed : std::span(common).first(5))
+      if (column(needed) == absent)
+        lines_.bad("column {} is missing; needed are kind, x, y, z and energy", needed);
+    kind_ = column("kind"), id_ = column("id"), energy_ = column("energy");
+    for (std::size_t axis = 0; axis < 3; ++axis) position_[axis] = column(common[1 + axis]);
+  }
+
+  std::size_t column(std::string_view title) const {
+    const auto found = std::find(titles_.begin(), titles_.end(), title);
+    return found == titles_.end() ? absent : static_cast<std::size_t>(found - titles_.begin());
+  }
+  std::string_view at(std::size_t column) const {
+    return column == absent ? std::string_view{} : lines_.fields()[column];
+  }
+
+  Primitive read_row() {
+    Primitive p;
+    p.line = lines_.number();
+    const std::string word = lower(at(kind_));
+    const auto found = std::find(kinds_.begin(), kinds_.end(), word);
+    if (found == kinds_.end()) {
+      const std::string near = nearest(word.substr(0, 40), kinds_);
+      lines_.bad("kind is \"{}\"; {}", shown(word),
+                 near.empty() ? fmt::format("known are {}", fmt::join(kinds_, ", "))
+                              : fmt::format("did you mean {}?", near));
+    }
+    p.kind = field::all_primitives()[static_cast<std::size_t>(found - kinds_.begin())];
+    p.position = {lines_.number_at(position_[0], "x"), lines_.number_at(position_[1], "y"),
+                  lines_.number_at(position_[2], "z")};
+    const double energy = lines_.number_at(energy_, "energy");
+    if (std::fabs(energy) > energy_limit)
+      lines_.bad("energy = {} is outside {} to {} m", energy, -energy_limit, energy_limit);
+    p.energy = static_cast<float>(energy);
+    read_shape(p);
+    return p;
+  }
+
+  void read_shape(Primitive& p) {
+    // The vertices of a chain are rows, not numbers of its shape.
+    const auto own = std::span(p.kind->params).first(p.kind->variable ? 1 : p.kind->params.size());
+    for (const ParamInfo& info : own) {
+      double value = std::get<double>(info.init);
+      if (const std::size_t c = column(info.name); !at(c).empty()) {
+        value = lines_.number_at(c, info.name);
+        if (value < info.min || value > info.max)
+          lines_.bad("{} = {} is outside {}", info.name, value, allowed(info));
+      }
+      p.shape.push_back(static_cast<float>(value));
+    }
+    for (std::size_t c = 0; c < titles_.size(); ++c) {
+      if (at(c).empty() || std::find(common.begin(), common.end(), titles_[c]) != common.end()) continue;
+      if (std::none_of(own.begin(), own.end(), [&](const ParamInfo& i) { return i.name == titles_[c]; }))
+        lines_.bad("a {} has no {}; leave the field empty", p.kind->name, titles_[c]);
+    }
+  }
+
+  void extend(Primitive& chain, const Primitive& row) {
+    if (row.energy != chain.energy || (row.shape != chain.shape && !at(column("radius")).empty()))
+      lines_.bad("energy and radius differ from those in line {}, where this {} begins", chain.line,
+                 chain.kind->name);
+    chain.further.push_back(row.position);
+  }
+
+  void finish_chain(const std::vector<Primitive>& out, const std::string& chain) const {
+    if (!chain.empty() && out.back().further.empty())
+      fail(ErrorKind::input, "{}:{}: {} \"{}\" is one row; give two or more of this id, one a vertex",
+           lines_.name(), out.back().line, out.back().kind->name, shown(chain));
+  }
+
+  /// What every kind has; the first five are needed.
+  static constexpr std::array<std::string_view, 6> common = {"kind", "x", "y", "z", "energy", "id"};
+
+  Lines lines_;
+  std::vector<std::string> kinds_, titles_;
+  std::size_t kind_ = absent, id_ = absent, energy_ = absent;
+  std::array<std::size_t, 3> position_{};
+};
 
 }  // namespace
 
 std::vector<Primitive> parse_primitives_csv(std::string_view text, std::string_view name) {
-  static const std::vector<std::string> titles = {"kind", "x", "y", "z", "radius", "energy"};
-  enum { kind, x, y, z, radius, energy, count };
-  constexpr std::string_view expected = "kind,x,y,z,radius,energy";
-
-  Lines lines(text, name);
-  if (!lines.next()) fail(ErrorKind::input, "{}: is empty; expected the header {}", name, expected);
-  const std::size_t width = lines.fields().size();
-  std::array<std::size_t, count> column;
-  column.fill(width);
-  for (std::size_t i = 0; i < width; ++i) {
-    const std::string title = lower(lines.fields()[i]);
-    std::size_t which = 0;
-    while (which < count && titles[which] != title) ++which;
-    if (which == count) {
-      const std::string near = nearest(title.substr(0, 40), titles);
-      lines.bad("column \"{}\" is not known{}; expected the header {}", shown(title),
-                near.empty() ? "" : fmt::format(" (did you mean {}?)", near), expected);
-    }
-    if (column[which] != width) lines.bad("column {} is given twice", title);
-    column[which] = i;
-  }
-  for (std::size_t i = 0; i < count; ++i)
-    if (column[i] == width) lines.bad("column {} is missing; expected the header {}", titles[i], expected);
-
-  std::vector<Primitive> out;
-  while (lines.next()) {
-    if (lines.fields().size() != width)
-      lines.bad("has {} fields where the header has {}", lines.fields().size(), width);
-    Primitive p;
-    p.line = lines.number();
-    const std::string word = lower(lines.fields()[column[kind]]);
-    if (word != "point" && word != "sphere")
-      lines.bad("kind is \"{}\"; expected point or sphere", shown(word));
-    p.sphere = word == "sphere";
-    p.position = {lines.number_at(column[x], "x"), lines.number_at(column[y], "y"),
-                  lines.number_at(column[z], "z")};
-    p.radius = checked_float(lines, column[radius], "radius", 1e-3, 1e5);
-    p.energy = checked_float(lines, column[energy], "energy", -1e6, 1e6);
-    out.push_back(p);
-  }
-  return out;
+  return PrimitiveRows(text, name).read();
 }
 
 std::vector<Vec3d> parse_points_csv(std::string_view text, std::string_view name) {

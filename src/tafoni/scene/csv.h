@@ -6,22 +6,26 @@
 #include <string_view>
 #include <vector>
 
+#include "tafoni/field/primitive.h"
 #include "tafoni/math/vec.h"
 
 namespace tafoni::scene {
 
-/// One row of a primitives file (DESIGN 6): adds energy * g(distance).
+/// One primitive of a primitives file (DESIGN 6): adds energy * g(distance).
 struct Primitive {
-  bool sphere = false;  ///< constant inside the radius, falling off over the terrain's R; else a point,
-                        ///< whose falloff is the radius
-  Vec3d position;       ///< world, scene CRS, metres
-  float radius = 0;     ///< metres
-  float energy = 0;     ///< metres; negative carves
+  const field::PrimitiveType* kind = nullptr;
+  Vec3d position;              ///< world, scene CRS, metres
+  std::vector<Vec3d> further;  ///< of a kind that is a chain of vertices: those after `position`
+  std::vector<float> shape;    ///< the kind's parameters; of a chain of vertices the radius alone
+  float energy = 0;            ///< metres; negative carves
   std::uint32_t line = 0;
 };
 
-/// Columns kind, x, y, z, radius, energy in any order, named by a header; blank lines and lines that begin
-/// with # are skipped. `name` is for messages; no file is opened. Throws Error{input} "NAME:LINE: …".
+/// Columns in any order, named by a header: kind, x, y, z, energy, and the parameters of the kinds as they
+/// are registered. A parameter without a column, or with an empty field, has its default. A kind that is a
+/// chain of vertices has one row a vertex, rows of one `id` after another; its energy and radius stand in the
+/// first. Blank lines and lines that begin with # are skipped. `name` is for messages; no file is opened.
+/// Throws Error{input} "NAME:LINE: …".
 std::vector<Primitive> parse_primitives_csv(std::string_view text, std::string_view name);
 
 /// Columns x, y, z named by a header, other columns ignored; or no header and the first three columns.

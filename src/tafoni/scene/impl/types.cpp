@@ -6,17 +6,13 @@
 #include "tafoni/geology/kind.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/scene/document.h"
+#include "tafoni/scene/impl/primitives_layer.h"
 #include "tafoni/terrain/generator.h"
 
 namespace tafoni::scene {
 
 const std::vector<ParamInfo>& params_of_layer(std::string_view type) {
-  struct Primitives {
-    std::string file;
-  };
-  static const std::vector<ParamInfo> primitives = ParamTable<Primitives>().text(
-      "file", &Primitives::file, "Path of a CSV with the columns kind, x, y, z, radius, energy");
-  if (type == primitives_layer) return primitives;
+  if (type == primitives_layer) return impl::primitives_params();
 
   std::vector<std::string> known = {std::string(primitives_layer)};
   for (const landforms::LandformType* landform : landforms::all_landforms()) {

@@ -9,6 +9,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/field/primitive.h"
 #include "tafoni/mesh/validate.h"
 #include "tafoni/scene/mesh_scene.h"
 
@@ -110,6 +111,29 @@ TEST_F(BuildScene, PrimitivesAddTheirEnergyWhereTheLayerActs) {
         R"({"type": "Polygon", "coordinates": [[[0, 0], [80, 0], [80, 120], [0, 120], [0, 0]]]})");
   EXPECT_NEAR(value("region = \"left.geojson\"\n", at_point), -3, 1e-3);
   EXPECT_EQ(value("region = \"left.geojson\"\n", at_sphere), 0);
+}
+
+TEST_F(BuildScene, EveryKindOfPrimitiveStandsWhereItsRowSays) {
+  std::string csv = "id,kind,x,y,z,energy,radius\n";
+  double x = 20;
+  std::vector<Vec3d> inside;
+  for (const field::PrimitiveType* type : field::all_primitives()) {
+    csv += fmt::format("a,{},{},60,20,-3,1\n", type->name, x);
+    if (type->variable) csv += fmt::format("a,{},{},80,20,-3,\n", type->name, x);
+    // A torus is hollow in the middle: its tube runs 10 m off.
+    inside.push_back({x, type->name == "torus" ? 70.0 : 60.0, 20});
+    x += 60;
+  }
+  write("k.csv", csv);
+  const std::string layer = "[[layer]]\ntype = \"primitives\"\nfile = \"k.csv\"\nfalloff = 2\n";
+  const BuiltScene plain = build(scene(layer)), noisy = build(scene(layer + "noise = 0.5\n"));
+  const auto value = [](const BuiltScene& s, Vec3d local) {
+    return field::compile(field::combine("blend", s.layers[0].made.nodes)).value(local);
+  };
+  for (const Vec3d& p : inside) EXPECT_NEAR(value(plain, plain.terrain.to_local(p)), -3, 1e-3) << p.x;
+  const Vec3d wall = plain.terrain.to_local({20, 60, 20 + 6.5});
+  EXPECT_NE(value(plain, wall), value(noisy, wall));
+  EXPECT_THROW(build(scene(layer + "noise = 1.5\n")), Error);
 }
 
 TEST_F(BuildScene, AMaskLimitsALayer) {
