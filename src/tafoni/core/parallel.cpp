@@ -26,6 +26,13 @@ std::shared_ptr<tbb::task_arena> current_arena() {
   return arena;
 }
 
+/// Runs a loop in the arena. Isolated: a thread that waits for an inner loop must not begin another item of
+/// an outer one, which would nest without end and find the thread's scratch memory in use.
+template <class Loop>
+void run(const Loop& loop) {
+  current_arena()->execute([&] { tbb::this_task_arena::isolate(loop); });
+}
+
 }  // namespace
 
 void set_thread_count(int threads) {
@@ -44,7 +51,7 @@ int thread_count() {
 }
 
 void parallel_for(std::int64_t n, const std::function<void(std::int64_t)>& body, Progress& progress) {
-  current_arena()->execute([&] {
+  run([&] {
     tbb::parallel_for(
         tbb::blocked_range<std::int64_t>(0, std::max<std::int64_t>(n, 0), 1),
         [&](const tbb::blocked_range<std::int64_t>& range) {
@@ -63,7 +70,7 @@ void parallel_blocks(std::int64_t n, std::int64_t grain,
   if (n <= 0) return;
   grain = std::max<std::int64_t>(grain, 1);
   const std::int64_t blocks = (n + grain - 1) / grain;
-  current_arena()->execute([&] {
+  run([&] {
     tbb::parallel_for(
         tbb::blocked_range<std::int64_t>(0, blocks, 1),
         [&](const tbb::blocked_range<std::int64_t>& range) {

@@ -26,13 +26,18 @@ class ColumnSampler {
       : field_(field), settings_(settings), voxel_(voxel), evaluator_(field, voxel) {}
 
   std::vector<Candidate> sample(int a, int b, Progress& progress) {
-    const auto range = evaluator_.column(a, b);
     const double chunk = voxel_ * field::chunk_cells;
+    Box3d column{{a * chunk, b * chunk, settings_.box.lo.z},
+                 {(a + 1) * chunk, (b + 1) * chunk, settings_.box.hi.z}};
+    if (refused(column)) return {};
+    const auto range = evaluator_.column(a, b);
     const int first = std::max(range.first, static_cast<int>(std::floor(settings_.box.lo.z / chunk)));
     const int last = std::min(range.last, static_cast<int>(std::floor(settings_.box.hi.z / chunk)));
     for (int c = first; c <= last; ++c) {
       progress.check();
-      if (evaluator_.evaluate(c, samples_)) {
+      column.lo.z = c * chunk;
+      column.hi.z = (c + 1) * chunk;
+      if (!refused(column) && evaluator_.evaluate(c, samples_)) {
         scatter();
         project();
       }
@@ -41,6 +46,18 @@ class ColumnSampler {
   }
 
  private:
+  bool refused(const Box3d& cells) const {
+    // A sample may come to lie a cell beyond its own.
+    return settings_.maybe && !settings_.maybe(cells.center(), 0.5 * length(cells.size()) + 2 * voxel_);
+  }
+
+  Vec3d corner(int i, int j, int k) const {
+    return Vec3d{static_cast<double>(std::int64_t{samples_.chunk.x} * field::chunk_cells + i),
+                 static_cast<double>(std::int64_t{samples_.chunk.y} * field::chunk_cells + j),
+                 static_cast<double>(std::int64_t{samples_.chunk.z} * field::chunk_cells + k)} *
+           voxel_;
+  }
+
   /// Jittered points in the cells that the surface cuts.
   void scatter() {
     points_.clear();
@@ -53,6 +70,8 @@ class ColumnSampler {
 
   void scatter_brick(int bx, int by, int bz) {
     constexpr int n = field::brick_cells;
+    const Box3d brick{corner(bx * n, by * n, bz * n), corner((bx + 1) * n, (by + 1) * n, (bz + 1) * n)};
+    if (!settings_.box.overlaps(brick.grown(voxel_)) || refused(brick)) return;
     for (int k = bz * n; k < (bz + 1) * n; ++k)
       for (int j = by * n; j < (by + 1) * n; ++j)
         for (int i = bx * n; i < (bx + 1) * n; ++i)
@@ -70,8 +89,7 @@ class ColumnSampler {
     const Vec3<std::int64_t> cell{std::int64_t{samples_.chunk.x} * field::chunk_cells + i,
                                   std::int64_t{samples_.chunk.y} * field::chunk_cells + j,
                                   std::int64_t{samples_.chunk.z} * field::chunk_cells + k};
-    const Vec3d lo =
-        Vec3d{static_cast<double>(cell.x), static_cast<double>(cell.y), static_cast<double>(cell.z)} * voxel_;
+    const Vec3d lo = corner(i, j, k);
     const Box3d grown{lo - Vec3d{voxel_, voxel_, voxel_}, lo + Vec3d{2 * voxel_, 2 * voxel_, 2 * voxel_}};
     if (!settings_.box.overlaps(grown)) return;
     if (settings_.maybe && !settings_.maybe(grown.center(), 3 * voxel_)) return;
@@ -132,15 +150,18 @@ class ColumnSampler {
   std::vector<Candidate> result_;
 };
 
-std::vector<SurfacePoint> throw_darts(std::vector<Candidate>& candidates, double spacing,
+std::vector<SurfacePoint> throw_darts(const std::vector<Candidate>& candidates, double spacing,
                                       Progress& progress) {
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.priority < b.priority; });
+  // Candidates are large: sort what decides, and their places to settle ties.
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(candidates.size());
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    order[i] = {candidates[i].priority, static_cast<std::uint32_t>(i)};
+  std::sort(order.begin(), order.end());
   SpatialHash hash(2 * spacing, candidates.size() / 8);
   std::vector<SurfacePoint> kept;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
+  for (std::size_t i = 0; i < order.size(); ++i) {
     if (i % 4096 == 0) progress.check();
-    const SurfacePoint& point = candidates[i].point;
+    const SurfacePoint& point = candidates[order[i].second].point;
     if (hash.any_near(point.position, spacing)) continue;
     hash.insert(point.position);
     kept.push_back(point);

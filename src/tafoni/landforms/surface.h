@@ -20,9 +20,9 @@ struct SurfaceSampling {
   double spacing = 2;  ///< metres: no two samples are nearer, no accepted surface is twice as far from one
   Box3d box;           ///< local, finite; only surface in it is sampled
   std::uint64_t seed = 0;
-  /// Refuses whole cells of half the spacing before anything is projected; null: none. Given a cell's centre
-  /// and how far from it a sample may lie; false only where no sample would be accepted. Called from many
-  /// threads.
+  /// Refuses whole pieces of space before anything is projected, from 64 cells of half the spacing down to
+  /// one; null: none. Given a piece's centre and how far from it a sample may lie; false only where no sample
+  /// would be accepted. Called from many threads.
   std::function<bool(Vec3d center, double around)> maybe;
   /// Whether a place may hold a sample; null: all may. Called from many threads.
   std::function<bool(const SurfacePoint&)> accept;

@@ -15,25 +15,6 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-mesh::PolygonizeSettings settings_for(const BuiltScene& scene, const field::CompiledField& field,
-                                      double voxel) {
-  mesh::PolygonizeSettings settings;
-  settings.voxel = voxel;
-  settings.boundary = scene.boundary();
-  settings.min_fragment_volume = scene.document.scene.min_fragment;
-  constexpr double few_cells = 20;
-  if (settings.min_fragment_volume > 0)
-    settings.min_fragment_volume = std::max(settings.min_fragment_volume, few_cells * voxel * voxel * voxel);
-  if (settings.boundary == mesh::Boundary::solid) return settings;
-  settings.region = scene.terrain.box;
-  const Box3d bounds = field.bounds();
-  settings.region.lo.z = std::min(settings.region.lo.z, bounds.lo.z);
-  settings.region.hi.z = std::max(settings.region.hi.z, bounds.hi.z);
-  if (const auto& inside = scene.terrain.inside)
-    settings.inside = [inside](double x, double y) { return raster::sample_bilinear(*inside, x, y) > 0; };
-  return settings;
-}
-
 void finish(const BuiltScene& scene, mesh::Mesh& mesh, MeshResult& result, Progress& progress) {
   mesh.origin = scene.terrain.origin;
   double start = now();
@@ -53,6 +34,25 @@ void finish(const BuiltScene& scene, mesh::Mesh& mesh, MeshResult& result, Progr
 }
 
 }  // namespace
+
+mesh::PolygonizeSettings polygonize_settings(const BuiltScene& scene, const field::CompiledField& field,
+                                             double voxel) {
+  mesh::PolygonizeSettings settings;
+  settings.voxel = voxel;
+  settings.boundary = scene.boundary();
+  settings.min_fragment_volume = scene.document.scene.min_fragment;
+  constexpr double few_cells = 20;
+  if (settings.min_fragment_volume > 0)
+    settings.min_fragment_volume = std::max(settings.min_fragment_volume, few_cells * voxel * voxel * voxel);
+  if (settings.boundary == mesh::Boundary::solid) return settings;
+  settings.region = scene.terrain.box;
+  const Box3d bounds = field.bounds();
+  settings.region.lo.z = std::min(settings.region.lo.z, bounds.lo.z);
+  settings.region.hi.z = std::max(settings.region.hi.z, bounds.hi.z);
+  if (const auto& inside = scene.terrain.inside)
+    settings.inside = [inside](double x, double y) { return raster::sample_bilinear(*inside, x, y) > 0; };
+  return settings;
+}
 
 void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress) {
   const auto sea = sea_level(scene.document);
@@ -93,7 +93,8 @@ MeshResult mesh_scene(const BuiltScene& scene, Progress& progress) {
   const field::CompiledField field = scene.field_for(scene.boundary());
   result.compile_seconds = now() - start;
   start = now();
-  result.mesh = mesh::polygonize(field, settings_for(scene, field, scene.voxel), progress, &result.stats);
+  result.mesh =
+      mesh::polygonize(field, polygonize_settings(scene, field, scene.voxel), progress, &result.stats);
   result.polygonize_seconds = now() - start;
   finish(scene, result.mesh, result, progress);
   return result;
@@ -105,7 +106,7 @@ MeshResult mesh_scene_tiles(const BuiltScene& scene, int tiles, const mesh::Tile
   double start = now();
   const field::CompiledField field = scene.field_for(scene.boundary());
   result.compile_seconds = now() - start;
-  auto settings = settings_for(scene, field, scene.voxel);
+  auto settings = polygonize_settings(scene, field, scene.voxel);
   settings.tiles_x = settings.tiles_y = tiles;
   start = now();
   mesh::polygonize_tiles(
@@ -127,7 +128,7 @@ Prediction predict(const BuiltScene& scene, Progress& progress) {
   const field::CompiledField field = scene.field_for(scene.boundary());
   const Vec3d size = scene.terrain.box.size();
   p.coarse_voxel = std::max(2 * scene.voxel, std::max(size.x, size.y) / 256);
-  auto settings = settings_for(scene, field, p.coarse_voxel);
+  auto settings = polygonize_settings(scene, field, p.coarse_voxel);
   settings.normals = false;
   settings.min_fragment_volume = 0;
   const mesh::Mesh coarse = mesh::polygonize(field, settings, progress);

@@ -22,6 +22,10 @@ struct MeshResult {
   double compile_seconds = 0, polygonize_seconds = 0, colour_seconds = 0, simplify_seconds = 0;
 };
 
+/// How the scene's surface is meshed on a lattice of cells of `voxel` metres.
+mesh::PolygonizeSettings polygonize_settings(const BuiltScene& scene, const field::CompiledField& field,
+                                             double voxel);
+
 /// Polygonizes with the document's settings, colours by geology, slope and height, simplifies where asked.
 MeshResult mesh_scene(const BuiltScene& scene, Progress& progress = silent());
 

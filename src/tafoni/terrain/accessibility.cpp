@@ -125,13 +125,17 @@ raster::Grid<float> accessibility(const raster::Raster& heights, const Accessibi
   while (levels < 16 && std::ldexp(1.0, levels - 1) < reach) ++levels;
   const auto pyramid = max_pyramid(heights.values, levels);
   raster::Grid<float> out(width, height, raster::no_data);
+  const auto asked = [&](int col, int row) {
+    return !impl::missing(heights.values.at(col, row)) &&
+           (!settings.wanted || settings.wanted->at(col, row) != 0);
+  };
   progress.begin("accessibility", static_cast<std::uint64_t>(height), "rows");
   parallel_for(
       height,
       [&](std::int64_t row) {
         Search search(heights, pyramid, settings.max_radius);
         for (int col = 0; col < width; ++col)
-          if (!impl::missing(heights.values.at(col, static_cast<int>(row))))
+          if (asked(col, static_cast<int>(row)))
             out.at(col, static_cast<int>(row)) =
                 static_cast<float>(search.radius(col, static_cast<int>(row)) / settings.max_radius);
       },

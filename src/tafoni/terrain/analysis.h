@@ -35,6 +35,8 @@ raster::Grid<float> stream_power(const raster::Grid<float>& area, const raster::
 
 struct AccessibilitySettings {
   double max_radius = 20;  ///< metres: a cell that a sphere of this radius can touch is wholly open
+  /// Cells where the result is wanted (1); the others are NaN. Null: all.
+  const raster::Grid<std::uint8_t>* wanted = nullptr;
 };
 /// Miller's local accessibility (1994) of a heightfield in [0, 1]: the radius of the largest sphere that
 /// touches the surface at the cell, tangent to it and above, without cutting the terrain, over max_radius.

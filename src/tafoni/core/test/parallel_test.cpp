@@ -1,7 +1,9 @@
 #include "tafoni/core/parallel.h"
 
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -30,6 +32,21 @@ TEST_P(Threads, EveryItemOnceAndCounted) {
       1000, [&](std::int64_t i) { ++hits[static_cast<std::size_t>(i)]; }, progress);
   for (const auto& hit : hits) EXPECT_EQ(hit.load(), 1);
   EXPECT_EQ(progress.most.load(), 1000u);
+}
+
+TEST_P(Threads, AnItemThatWaitsForAnInnerLoopIsNotInterruptedByAnotherItem) {
+  static thread_local int depth = 0;
+  std::atomic<int> deepest{0};
+  parallel_for(60, [&](std::int64_t) {
+    ++depth;
+    int seen = deepest.load();
+    while (seen < depth && !deepest.compare_exchange_weak(seen, depth)) {
+    }
+    parallel_blocks(
+        4, 1, [](std::int64_t, std::int64_t) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
+    --depth;
+  });
+  EXPECT_EQ(deepest.load(), 1);
 }
 
 TEST_P(Threads, BlocksTileTheRange) {

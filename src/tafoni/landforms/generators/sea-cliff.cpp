@@ -98,8 +98,8 @@ class SeaCliff {
   Result run() {
     Result result;
     if (band().empty()) return report(std::move(result));
-    open_ = exposure();
     water_ = water_distance();
+    open_ = exposure();
     for (std::int64_t step = 0; step < p_.steps; ++step) add(notch(step), result);
     if (p_.cave_spacing > 0) add(caves(), result);
     if (p_.weathering > 0) add(weather(), result);
@@ -126,9 +126,10 @@ class SeaCliff {
     raster::Raster open;
     open.placement = heights.placement;
     if (p_.accessibility <= 0) return open;
-    const auto grid = terrain::accessibility(heights, {p_.accessibility_radius}, progress_);
     const int reach =
         std::clamp(static_cast<int>(std::lround(0.25 * p_.accessibility_radius / ground_.pixel())), 0, 6);
+    const auto wanted = shore(reach + 2);
+    const auto grid = terrain::accessibility(heights, {p_.accessibility_radius, &wanted}, progress_);
     open.values = raster::Grid<float>(grid.width(), grid.height());
     parallel_blocks(grid.height(), 16, [&](std::int64_t begin, std::int64_t end) {
       for (int row = static_cast<int>(begin); row < end; ++row)
@@ -136,11 +137,22 @@ class SeaCliff {
           float best = 0;
           for (int r = std::max(0, row - reach); r <= std::min(grid.height() - 1, row + reach); ++r)
             for (int c = std::max(0, col - reach); c <= std::min(grid.width() - 1, col + reach); ++c)
-              best = std::max(best, grid.at(c, r));
+              if (wanted.at(c, r)) best = std::max(best, grid.at(c, r));
           open.values.at(col, row) = best;
         }
     });
     return open;
+  }
+
+  /// Where the sea can act, and `more` pixels around it.
+  raster::Grid<std::uint8_t> shore(int more) const {
+    const raster::Grid<float>& heights = ground_.site().heights->values;
+    raster::Grid<std::uint8_t> out(heights.width(), heights.height(), 1);
+    if (water_.values.empty()) return out;
+    const auto limit = static_cast<float>(p_.reach + more * ground_.pixel());
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out.values()[i] = std::abs(water_.values.values()[i]) <= limit;
+    return out;
   }
 
   /// Metres to open water: ground below the sea level, or none at all where there is no data. Empty when
@@ -197,8 +209,9 @@ class SeaCliff {
     return u * u >= 1 ? 0 : (1 - u * u) * accessibility(at.position) * exposed(at);
   }
 
-  double resistance(Vec3d p) const {
-    return ground_.resistance(p) * (1 - p_.joints * joints_.weakness(p + ground_.site().origin));
+  double resistance(Vec3d p) const { return jointed(ground_.resistance(p), p); }
+  double jointed(double rho, Vec3d p) const {
+    return rho * (1 - p_.joints * joints_.weakness(p + ground_.site().origin));
   }
 
   /// Samples of the exposed faces in `box`, each with e(rho, stress).
@@ -217,10 +230,15 @@ class SeaCliff {
       return ground_.usable(at.position) && stress_at(at) > 0 && stress_at(at) >= p_.threshold;
     };
     const auto points = sample_surface(field, sampling, progress_);
+    std::vector<Vec3d> places(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) places[i] = points[i].position;
+    std::vector<float> rho(places.size());
+    ground_.resistances(places, rho);
     std::vector<Attack> attacks(points.size());
     parallel_blocks(static_cast<std::int64_t>(points.size()), 256, [&](std::int64_t begin, std::int64_t end) {
       for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-        attacks[i] = {points[i], erosion_effect(resistance(points[i].position), stress_at(points[i]), beta)};
+        attacks[i] = {points[i], erosion_effect(jointed(static_cast<double>(rho[i]), places[i]),
+                                                stress_at(points[i]), beta)};
     });
     std::erase_if(attacks, [this](const Attack& a) { return a.effect < p_.threshold; });
     return attacks;

@@ -39,6 +39,21 @@ double brute_radius(const raster::Raster& terrain, int col, int row, double max_
   return lo;
 }
 
+TEST(Accessibility, IsTheSameWhereItIsWantedAndMissingElsewhere) {
+  const auto terrain = rough(40, 33, 1, 0, 0.02);
+  raster::Grid<std::uint8_t> wanted(40, 33, 0);
+  for (int row = 5; row < 20; ++row)
+    for (int col = row; col < 33; ++col) wanted.at(col, row) = 1;
+  const auto all = accessibility(terrain, {.max_radius = 6}),
+             some = accessibility(terrain, {.max_radius = 6, .wanted = &wanted});
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (wanted.values()[i] && !std::isnan(all.values()[i]))
+      ASSERT_EQ(all.values()[i], some.values()[i]);
+    else
+      ASSERT_TRUE(std::isnan(some.values()[i]));
+  }
+}
+
 TEST(Accessibility, AgreesWithBruteForce) {
   const auto hills = [](double x, double y) {
     return 6 * std::sin(x / 5) * std::cos(y / 7) + std::sin(x * 1.3 + y);

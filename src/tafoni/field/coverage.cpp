@@ -1,0 +1,71 @@
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+#include <vector>
+
+#include "tafoni/core/error.h"
+#include "tafoni/field/impl/node.h"
+#include "tafoni/field/tree.h"
+
+namespace tafoni::field {
+namespace {
+
+/// Cells of the plane, marked where a disc covers their centre.
+class Cells {
+ public:
+  Cells(const Box3d& area, double cell)
+      : area_(area),
+        cell_(cell),
+        width_(static_cast<std::size_t>(std::ceil(area.size().x / cell))),
+        height_(static_cast<std::size_t>(std::ceil(area.size().y / cell))),
+        marked_(width_ * height_) {}
+
+  void mark(double x, double y, double radius) {
+    const auto first = [](double v, std::size_t n) {
+      return static_cast<std::size_t>(std::clamp(std::ceil(v), 0.0, static_cast<double>(n)));
+    };
+    const double cx = (x - area_.lo.x) / cell_ - 0.5, cy = (y - area_.lo.y) / cell_ - 0.5, r = radius / cell_;
+    for (std::size_t j = first(cy - r, height_); static_cast<double>(j) <= cy + r && j < height_; ++j) {
+      const double dy = static_cast<double>(j) - cy, half = std::sqrt(std::max(r * r - dy * dy, 0.0));
+      for (std::size_t i = first(cx - half, width_); static_cast<double>(i) <= cx + half && i < width_; ++i)
+        marked_[j * width_ + i] = true;
+    }
+  }
+  double share() const {
+    return static_cast<double>(std::count(marked_.begin(), marked_.end(), true)) /
+           static_cast<double>(marked_.size());
+  }
+
+ private:
+  Box3d area_;
+  double cell_;
+  std::size_t width_, height_;
+  std::vector<bool> marked_;
+};
+
+}  // namespace
+
+double coverage(const NodePtr& root, const Box3d& area, double cell) {
+  if (!(cell > 0) || !(area.size().x > 0) || !(area.size().y > 0))
+    fail(ErrorKind::usage, "coverage wants an area and a cell above 0 m");
+  Cells cells(area, cell);
+  std::unordered_set<const Node*> seen;
+  std::vector<const Node*> pending{root.get()};
+  while (!pending.empty()) {
+    const Node* node = pending.back();
+    pending.pop_back();
+    if (!node || !seen.insert(node).second) continue;
+    if (const auto* op = node->operation())
+      for (const auto& child : op->children) pending.push_back(child.get());
+    const auto* cloud = node->cloud();
+    if (!cloud) continue;
+    impl::Primitives found;
+    cloud->collect(cloud->bounds(), found);
+    for (std::size_t i = 0; i < found.size(); ++i)
+      cells.mark(impl::to_metres(found.x[i]), impl::to_metres(found.y[i]),
+                 static_cast<double>(found.reach[i]));
+  }
+  return cells.share();
+}
+
+}  // namespace tafoni::field

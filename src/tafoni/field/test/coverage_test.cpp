@@ -1,0 +1,24 @@
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/field/tree.h"
+
+namespace tafoni::field {
+namespace {
+
+TEST(Coverage, OfDiscsInASquare) {
+  CloudBuilder cloud{CloudSettings{}};
+  add_point(cloud, {30, 30, 500}, 10, -1);
+  add_point(cloud, {30, 30, -500}, 10, 2);
+  add_point(cloud, {70, 60, 0}, 20, 1);
+  add_point(cloud, {300, 0, 0}, 20, 1);
+  const NodePtr tree = combine("blend", {constant(0), cloud.finish()});
+  EXPECT_NEAR(coverage(tree, {{0, 0, 0}, {100, 100, 0}}, 0.1), std::numbers::pi * 500 / 10000, 1e-3);
+  EXPECT_EQ(coverage(constant(1), {{0, 0, 0}, {100, 100, 0}}, 1), 0);
+  EXPECT_THROW(coverage(tree, {{0, 0, 0}, {100, 0, 0}}, 1), Error);
+}
+
+}  // namespace
+}  // namespace tafoni::field
