@@ -199,9 +199,10 @@ void run(const PaperRow& row, const std::string& file, bool with_plain) {
   fmt::print(
       "{},ours,{:.2f} x {:.2f},{:.2f},{},{:.3f},{:.3f},{},{:.2f},,{},{:.3f},{:.3f},{},{:.1f},{},{},{:016x}\n",
       row.name, size.x / 1000, size.y / 1000, field::coverage(scene.open, scene.terrain.box, scene.voxel),
-      tree.nodes, generation, strokes(scene), 1e-6 * static_cast<double>(tree.bytes), lattice(scene),
-      fast.seconds, fast.cpu, with_plain ? fmt::format("{:.1f}", slow.seconds) : "", calls(fast.stats),
-      with_plain ? fmt::format("{:.0f}", calls(slow.stats)) : "", fast.stats.triangles, fast.hash);
+      tree.nodes, generation, generation_cpu, strokes(scene), 1e-6 * static_cast<double>(tree.bytes),
+      lattice(scene), fast.seconds, fast.cpu, with_plain ? fmt::format("{:.1f}", slow.seconds) : "",
+      calls(fast.stats), with_plain ? fmt::format("{:.0f}", calls(slow.stats)) : "", fast.stats.triangles,
+      fast.hash);
 }
 
 }  // namespace
