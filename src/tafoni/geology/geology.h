@@ -9,8 +9,9 @@
 
 namespace tafoni::geology {
 
-/// An immutable geology tree. Positions are double metres in the scene's local frame. Every node works on
-/// world positions inside, so that neither elevations nor noise depend on the choice of the local origin.
+/// An immutable geology tree. Positions are double metres, in the scene's local frame where make_geology()
+/// made it. The kinds work on world positions, so that neither elevations nor noise depend on the local
+/// origin.
 class Geology {
  public:
   virtual ~Geology() = default;

@@ -3,8 +3,46 @@
 #include <string>
 
 #include "tafoni/core/error.h"
+#include "tafoni/geology/impl/rock.h"
 
 namespace tafoni::geology {
+namespace {
+
+/// A geology seen from a frame whose zero lies at `shift` in the geology's own.
+class Shifted final : public impl::BatchGeology {
+ public:
+  Shifted(GeologyPtr geology, Vec3d shift) : geology_(std::move(geology)), shift_(shift) {}
+  const GeologyPtr& geology() const { return geology_; }
+  Vec3d shift() const { return shift_; }
+
+  void raws(std::span<const Vec3d> points, std::span<double> out) const override {
+    impl::for_blocks(points.size(), [&](std::size_t begin, std::size_t n) {
+      std::array<Vec3d, impl::noise_block> moved;
+      for (std::size_t i = 0; i < n; ++i) moved[i] = points[begin + i] + shift_;
+      geology_->raws(std::span(moved).first(n), out.subspan(begin, n));
+    });
+  }
+
+ private:
+  GeologyPtr geology_;
+  Vec3d shift_;
+};
+
+GeologyPtr shifted(GeologyPtr geology, Vec3d shift) {
+  if (shift == Vec3d{}) return geology;
+  if (const auto* back = dynamic_cast<const Shifted*>(geology.get()); back && back->shift() == -shift)
+    return back->geology();
+  return std::make_shared<Shifted>(std::move(geology), shift);
+}
+
+std::string count_text(const GeologyType& type) {
+  if (type.max_children == 0) return "no children";
+  const std::string most =
+      fmt::format("{} {}", type.max_children, type.max_children == 1 ? "child" : "children");
+  return type.min_children == type.max_children ? most : fmt::format("{} to {}", type.min_children, most);
+}
+
+}  // namespace
 
 const GeologyType& find_geology(std::string_view name) {
   std::vector<std::string> known;
@@ -22,16 +60,14 @@ const GeologyType& find_geology(std::string_view name) {
 GeologyPtr make_geology(std::string_view name, const Values& values, std::vector<GeologyPtr> children,
                         Vec3d origin, std::uint64_t seed) {
   const GeologyType& type = find_geology(name);
-  if (children.size() < type.min_children || children.size() > type.max_children) {
-    if (type.max_children == 0)
-      fail(ErrorKind::usage, "{}: takes no children, but has {}", name, children.size());
-    fail(ErrorKind::usage, "{}: takes {} to {} children, but has {}", name, type.min_children,
-         type.max_children, children.size());
-  }
+  if (children.size() < type.min_children || children.size() > type.max_children)
+    fail(ErrorKind::usage, "{}: takes {}, but has {}", name, count_text(type),
+         children.empty() ? "none" : fmt::format("{}", children.size()));
   Values valid;
   for (const auto& [key, value] : values)
     valid[key] = checked(find_param(type.params, key, name), value, name);
-  return type.make(valid, std::move(children), origin, seed);
+  for (GeologyPtr& child : children) child = shifted(std::move(child), -origin);
+  return shifted(type.make(valid, std::move(children), seed), origin);
 }
 
 GeologyPtr default_geology(Vec3d origin, std::uint64_t seed) {

@@ -16,10 +16,9 @@ struct GeologyType {
   std::string name, doc, source;
   std::vector<ParamInfo> params;
   std::size_t min_children = 0, max_children = 0;  ///< a primitive has none
-  /// `values` hold only what differs from the defaults. `origin` is the world position of local zero.
-  /// Called by make_geology(), which has checked values and children.
-  GeologyPtr (*make)(const Values& values, std::vector<GeologyPtr> children, Vec3d origin,
-                     std::uint64_t seed) = nullptr;
+  /// `values` hold only what differs from the defaults. Positions of the node and of its children are world
+  /// positions. Called by make_geology(), which has checked values and children.
+  GeologyPtr (*make)(const Values& values, std::vector<GeologyPtr> children, std::uint64_t seed) = nullptr;
 };
 
 /// Every kind, sorted by name; kinds/NAME.cpp defines `const GeologyType& geology_NAME()`.
@@ -27,7 +26,8 @@ std::span<const GeologyType* const> all_geologies();
 /// Throws Error{usage} naming the nearest known one.
 const GeologyType& find_geology(std::string_view name);
 
-/// Makes a node of the named kind. Throws Error{usage} for a wrong name, value or number of children.
+/// Makes a node of the named kind, to be asked at local positions as its children are; `origin` is the world
+/// position of local zero. Throws Error{usage} for a wrong name, value or number of children.
 GeologyPtr make_geology(std::string_view name, const Values& values, std::vector<GeologyPtr> children,
                         Vec3d origin, std::uint64_t seed);
 

@@ -13,7 +13,7 @@
 
 namespace tafoni::geology::impl {
 
-/// A node that is faster over many points than one by one; kinds override raws() alone.
+/// A node that is faster over many points than one by one; the kinds override raws() alone.
 class BatchGeology : public Geology {
  public:
   double raw(Vec3d p) const final {
@@ -38,6 +38,7 @@ struct Turbulence {
   int octaves = 3;
   std::uint64_t seed = 0;
 
+  /// In [0, 1].
   void sample(std::span<const Vec3d> world, std::span<float> t) const {
     std::array<Vec3d, noise_block> scaled;
     for (std::size_t i = 0; i < world.size(); ++i)
@@ -46,10 +47,24 @@ struct Turbulence {
   }
 };
 
+/// Sine and cosine of degrees; the zeros are exact, so that upright planes are.
+inline Vec2d sine_cosine(double degrees) {
+  const double a = degrees * std::numbers::pi / 180;
+  const auto exact = [](double v) { return std::abs(v) < 1e-15 ? 0.0 : v; };
+  return {exact(std::sin(a)), exact(std::cos(a))};
+}
+
 /// Upward unit normal of a plane that dips by `dip` degrees towards `azimuth`, degrees clockwise from north.
 inline Vec3d plane_normal(double dip, double azimuth) {
-  const double d = dip * std::numbers::pi / 180, a = azimuth * std::numbers::pi / 180;
-  return {std::sin(d) * std::sin(a), std::sin(d) * std::cos(a), std::cos(d)};
+  const Vec2d d = sine_cosine(dip), a = sine_cosine(azimuth);
+  return {d.x * a.x, d.x * a.y, d.y};
+}
+
+/// The paper's g at `r` radii of influence.
+inline double falloff(double r) {
+  if (!(r < 1)) return 0;
+  const double s = 1 - r * r;
+  return s * s * s;
 }
 
 }  // namespace tafoni::geology::impl

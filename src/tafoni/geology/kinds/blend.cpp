@@ -23,7 +23,7 @@ class Node final : public impl::BatchGeology {
   std::vector<GeologyPtr> children_;
 };
 
-GeologyPtr make(const Values&, std::vector<GeologyPtr> children, Vec3d, std::uint64_t) {
+GeologyPtr make(const Values&, std::vector<GeologyPtr> children, std::uint64_t) {
   return std::make_shared<Node>(std::move(children));
 }
 

@@ -45,8 +45,7 @@ const ParamTable<Params>& table() {
 
 class Node final : public impl::BatchGeology {
  public:
-  Node(const Params& p, Vec3d origin, std::uint64_t seed)
-      : p_(p), origin_(origin), normal_(impl::plane_normal(p.dip, p.azimuth)) {
+  Node(const Params& p, std::uint64_t seed) : p_(p), normal_(impl::plane_normal(p.dip, p.azimuth)) {
     const double f = 1 / p.wavelength;
     noise_ = {{f, f, f}, static_cast<int>(p.octaves), hash_combine(seed, 0x706c)};
   }
@@ -54,10 +53,9 @@ class Node final : public impl::BatchGeology {
   void raws(std::span<const Vec3d> points, std::span<double> out) const override {
     const Vec3d first{p_.position[0], p_.position[1], p_.position[2]};
     impl::for_blocks(points.size(), [&](std::size_t begin, std::size_t n) {
-      std::array<Vec3d, impl::noise_block> world;
+      const auto world = points.subspan(begin, n);
       std::array<float, impl::noise_block> t;
-      for (std::size_t i = 0; i < n; ++i) world[i] = points[begin + i] + origin_;
-      noise_.sample(std::span(world).first(n), std::span(t).first(n));
+      noise_.sample(world, std::span(t).first(n));
       for (std::size_t i = 0; i < n; ++i)
         out[begin + i] = p_.base + p_.strength * falloff(dot(world[i] - first, normal_)) +
                          p_.turbulence * static_cast<double>(t[i]);
@@ -68,21 +66,18 @@ class Node final : public impl::BatchGeology {
   /// g of the distance to the nearest plane.
   double falloff(double d) const {
     if (p_.spacing > 0) d -= p_.spacing * std::round(d / p_.spacing);
-    const double r = d / p_.thickness;
-    if (std::abs(r) >= 1) return 0;
-    const double s = 1 - r * r;
-    return s * s * s;
+    return impl::falloff(std::abs(d) / p_.thickness);
   }
 
   Params p_;
-  Vec3d origin_, normal_;
+  Vec3d normal_;
   impl::Turbulence noise_;
 };
 
-GeologyPtr make(const Values& values, std::vector<GeologyPtr>, Vec3d origin, std::uint64_t seed) {
+GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t seed) {
   Params p;
   assign(table().infos(), &p, values, "planes");
-  return std::make_shared<Node>(p, origin, seed);
+  return std::make_shared<Node>(p, seed);
 }
 
 }  // namespace

@@ -139,11 +139,8 @@ class Stack {
 
 class Node final : public impl::BatchGeology {
  public:
-  Node(const Params& p, Vec3d origin, std::uint64_t seed)
-      : p_(p),
-        origin_(origin),
-        normal_(impl::plane_normal(p.dip, p.azimuth)),
-        stack_(p, hash_combine(seed, 0x7374)) {
+  Node(const Params& p, std::uint64_t seed)
+      : p_(p), normal_(impl::plane_normal(p.dip, p.azimuth)), stack_(p, hash_combine(seed, 0x7374)) {
     const double wave = 1 / p.wave_length, f = 1 / p.wavelength;
     waves_ = {{wave, wave, 0}, 2, hash_combine(seed, 0x7761)};
     // Joints and lenses are longer than high.
@@ -153,11 +150,10 @@ class Node final : public impl::BatchGeology {
   void raws(std::span<const Vec3d> points, std::span<double> out) const override {
     const Vec3d pivot{p_.position[0], p_.position[1], p_.elevation};
     impl::for_blocks(points.size(), [&](std::size_t begin, std::size_t n) {
-      std::array<Vec3d, impl::noise_block> world;
+      const auto world = points.subspan(begin, n);
       std::array<float, impl::noise_block> wave{}, rough{};
-      for (std::size_t i = 0; i < n; ++i) world[i] = points[begin + i] + origin_;
-      if (p_.waviness > 0) waves_.sample(std::span(world).first(n), std::span(wave).first(n));
-      if (p_.turbulence > 0) rough_.sample(std::span(world).first(n), std::span(rough).first(n));
+      if (p_.waviness > 0) waves_.sample(world, std::span(wave).first(n));
+      if (p_.turbulence > 0) rough_.sample(world, std::span(rough).first(n));
       for (std::size_t i = 0; i < n; ++i) {
         const double d =
             dot(world[i] - pivot, normal_) + p_.waviness * (2.0 * static_cast<double>(wave[i]) - 1);
@@ -168,17 +164,17 @@ class Node final : public impl::BatchGeology {
 
  private:
   Params p_;
-  Vec3d origin_, normal_;
+  Vec3d normal_;
   Stack stack_;
   impl::Turbulence waves_, rough_;
 };
 
-GeologyPtr make(const Values& values, std::vector<GeologyPtr>, Vec3d origin, std::uint64_t seed) {
+GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t seed) {
   Params p;
   assign(table().infos(), &p, values, "strata");
   if (p.thickness.empty()) fail(ErrorKind::usage, "strata: thickness must name at least one bed");
   if (p.hardness.empty()) fail(ErrorKind::usage, "strata: hardness must name at least one bed");
-  return std::make_shared<Node>(p, origin, seed);
+  return std::make_shared<Node>(p, seed);
 }
 
 }  // namespace

@@ -34,17 +34,16 @@ const ParamTable<Params>& table() {
 
 class Node final : public impl::BatchGeology {
  public:
-  Node(const Params& p, Vec3d origin, std::uint64_t seed) : p_(p), origin_(origin) {
+  Node(const Params& p, std::uint64_t seed) : p_(p) {
     const double lateral = p.lateral > 0 ? 1 / p.lateral : 0;
     noise_ = {{lateral, lateral, 1 / p.wavelength}, static_cast<int>(p.octaves), hash_combine(seed, 0x7462)};
   }
 
   void raws(std::span<const Vec3d> points, std::span<double> out) const override {
     impl::for_blocks(points.size(), [&](std::size_t begin, std::size_t n) {
-      std::array<Vec3d, impl::noise_block> world;
+      const auto world = points.subspan(begin, n);
       std::array<float, impl::noise_block> t;
-      for (std::size_t i = 0; i < n; ++i) world[i] = points[begin + i] + origin_;
-      noise_.sample(std::span(world).first(n), std::span(t).first(n));
+      noise_.sample(world, std::span(t).first(n));
       for (std::size_t i = 0; i < n; ++i) {
         const double gained = std::clamp(0.5 + (static_cast<double>(t[i]) - 0.5) * p_.contrast, 0.0, 1.0);
         out[begin + i] = p_.base + p_.strength * gained;
@@ -54,14 +53,13 @@ class Node final : public impl::BatchGeology {
 
  private:
   Params p_;
-  Vec3d origin_;
   impl::Turbulence noise_;
 };
 
-GeologyPtr make(const Values& values, std::vector<GeologyPtr>, Vec3d origin, std::uint64_t seed) {
+GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t seed) {
   Params p;
   assign(table().infos(), &p, values, "turbulence");
-  return std::make_shared<Node>(p, origin, seed);
+  return std::make_shared<Node>(p, seed);
 }
 
 }  // namespace
