@@ -3,11 +3,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "rocks.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/geology/test/rocks.h"
 
 namespace tafoni::geology {
 namespace {

@@ -1,8 +1,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "rocks.h"
 #include <gtest/gtest.h>
+
+#include "tafoni/geology/test/rocks.h"
 
 namespace tafoni::geology {
 namespace {

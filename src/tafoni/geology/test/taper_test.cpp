@@ -1,7 +1,8 @@
 #include <cmath>
 
-#include "rocks.h"
 #include <gtest/gtest.h>
+
+#include "tafoni/geology/test/rocks.h"
 
 namespace tafoni::geology {
 namespace {
