@@ -1,29 +1,22 @@
 #include <algorithm>
 #include <string>
-#include <vector>
 
 #include <stb_image_write.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/io/format.h"
+#include "tafoni/io/impl/pixels.h"
 
 namespace tafoni::io {
 namespace {
-
-/// The file may throw, which must not pass through C code; so the bytes are collected first.
-void append_to(void* bytes, void* data, int size) {
-  static_cast<std::string*>(bytes)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
-}
 
 void write(AtomicFile& out, const raster::Image& image) {
   const bool opaque =
       std::ranges::all_of(image.values(), [](const std::array<std::uint8_t, 4>& p) { return p[3] == 255; });
   const int channels = opaque ? 3 : 4;
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(image.size() * static_cast<std::size_t>(channels));
-  for (const auto& pixel : image.values()) bytes.insert(bytes.end(), pixel.begin(), pixel.begin() + channels);
+  const auto bytes = impl::interleaved(image, channels);
   std::string png;
-  if (!stbi_write_png_to_func(append_to, &png, image.width(), image.height(), channels, bytes.data(),
+  if (!stbi_write_png_to_func(impl::append_to, &png, image.width(), image.height(), channels, bytes.data(),
                               image.width() * channels))
     fail(ErrorKind::output, "A picture of {} x {} pixels cannot be written as PNG.", image.width(),
          image.height());

@@ -53,7 +53,8 @@ const ParamTable<Params>& table() {
         .integer("steps", &Params::steps, "", 1, 12, "times that the sea acts on the shape it has left")
         .real("retreat", &Params::retreat, "m", 0.1, 100,
               "about how deep one step cuts into the softest rock under full stress")
-        .real("reach", &Params::reach, "m", 1, 100000, "how far from open water a face still feels the sea")
+        .real("reach", &Params::reach, "m", 1, 100000,
+              "how far from the shoreline, on land and off it, faces feel the sea")
         .real("weathering", &Params::weathering, "m", 0, 50,
               "how deep the softest beds weather back on the rest of the faces, 0 for not at all")
         .real("radius", &Params::radius, "m", 0.2, 100, "reach of one carving primitive of the first step")
@@ -187,7 +188,7 @@ class SeaCliff {
   }
 
   double nearness(Vec3d p) const {
-    return water_.values.empty() ? 1 : 1 - smoothstep(0.6 * p_.reach, p_.reach, nearest(water_, p));
+    return water_.values.empty() ? 1 : 1 - smoothstep(0.6 * p_.reach, p_.reach, std::abs(nearest(water_, p)));
   }
 
   /// 1 on faces, 0 on ground gentler than the limit; ceilings give way less than walls, so that notches
@@ -223,7 +224,7 @@ class SeaCliff {
     sampling.box = box;
     sampling.seed = hash_combine(ground_.site().seed, stream);
     sampling.maybe = [this](Vec3d p, double around) {
-      return water_.values.empty() || nearest(water_, p) < p_.reach + around + 2 * ground_.pixel();
+      return water_.values.empty() || std::abs(nearest(water_, p)) < p_.reach + around + 2 * ground_.pixel();
     };
     // e is never above the stress, so what the threshold drops need not be sampled.
     sampling.accept = [this, &stress_at](const SurfacePoint& at) {
