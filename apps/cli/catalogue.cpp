@@ -23,13 +23,6 @@ Topic topic(const char* name, const char* doc, std::span<const T* const> types) 
   return out;
 }
 
-Topic operators() {
-  Topic out{"operators", "How trees are combined", {}};
-  for (const field::OperatorType* type : field::all_operators())
-    out.entries.push_back({type->name, type->doc, type->source, {}, {}, {}});
-  return out;
-}
-
 Topic formats() {
   Topic out{"formats", "Files of meshes and pictures, chosen by extension", {}};
   for (const io::FormatType* type : io::all_formats()) {
@@ -138,7 +131,7 @@ std::vector<Topic> catalogue() {
           topic("geology", "Kinds of rock", geology::all_geologies()),
           topic("generators", "Built-in elevation models", terrain::all_generators()),
           topic("primitives", "Leaves of construction trees", field::all_primitives()),
-          operators(),
+          topic("operators", "How trees are combined, moved and eroded", field::all_operators()),
           formats()};
 }
 

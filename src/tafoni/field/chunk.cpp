@@ -45,6 +45,10 @@ BrickRange brick_ranges(const std::vector<float>& values) {
   return out;
 }
 
+bool excludes_zero(Interval r) {
+  return r.lo > 0 || r.hi < 0;
+}
+
 Interval join(const BrickRange& r) {
   return {*std::min_element(r.lo, r.lo + bricks * bricks), *std::max_element(r.hi, r.hi + bricks * bricks)};
 }
@@ -85,6 +89,8 @@ struct ChunkEvaluator::State {
   std::vector<std::uint32_t> cursor, order;
   std::vector<std::vector<float>> scratch;  ///< one block a stack slot above the first
   impl::PointWork points;
+  std::vector<Vec3d> lattice_points;
+  std::vector<float> lattice_values;
 
   State(const Program& p, double v) : program(p), voxel(v) {
     if (!(v > 0) || !std::isfinite(v))
@@ -107,8 +113,13 @@ struct ChunkEvaluator::State {
   }
   void list_primitives(CloudPart& part);
   Interval brick_range(const Box3f& box, int bx, int by, int bz);
-  Interval bare_range();
-  void evaluate_block(int bx, int by, int bz, int ny, int nz, ChunkSamples& out);
+  Interval bare_range(double z0, double z1);
+  Range widened(Range known);
+  int highest(int from, int to);
+  int lowest(int from, int to);
+  void evaluate_block(int bx, int by, int bz, int nx, int ny, int nz, ChunkSamples& out);
+  void nested_block(std::size_t index, Vec3i first, int nx, const Block& block);
+  Box3d closure(int bx, int by, int bz) const;
 };
 
 ChunkEvaluator::ChunkEvaluator(const CompiledField& field, double voxel)
@@ -158,10 +169,48 @@ ChunkEvaluator::Range ChunkEvaluator::column(int a, int b) {
       hi = std::max(hi, c + part.column.reach[p]);
     }
   }
-  if (lo > hi) return {};
+  const Box3d column{{s.x.metres[0], s.y.metres[0], 0},
+                     {s.x.metres[chunk_cells], s.y.metres[chunk_cells], 0}};
+  for (std::size_t i = 0; i < s.program.nested.size(); ++i) {
+    const Interval extent = s.program.nested[i]->extent(column, s.points.nested(i));
+    lo = std::min(lo, extent.lo);
+    hi = std::max(hi, extent.hi);
+  }
   const double size = s.voxel * chunk_cells;
-  return {static_cast<int>(std::floor(lo / size)) - (lo == std::floor(lo / size) * size ? 1 : 0),
-          static_cast<int>(std::floor(hi / size))};
+  Range range;
+  if (lo <= hi)
+    range = {static_cast<int>(std::floor(lo / size)) - (lo == std::floor(lo / size) * size ? 1 : 0),
+             static_cast<int>(std::floor(hi / size))};
+  return s.program.nested.empty() ? range : s.widened(range);
+}
+
+/// Nested leaves may vary at any elevation: what their ranges do not exclude is added to the known range.
+ChunkEvaluator::Range ChunkEvaluator::State::widened(Range known) {
+  const int limit = static_cast<int>(std::ceil(impl::reach_limit / (voxel * chunk_cells)));
+  if (known.first > known.last) {
+    const int last = highest(-limit, limit);
+    return last < -limit ? Range{} : Range{lowest(-limit, last), last};
+  }
+  return {std::min(known.first, lowest(-limit, known.first - 1)),
+          std::max(known.last, highest(known.last + 1, limit))};
+}
+
+/// The greatest chunk of the column in [from, to] whose bare range may hold 0; from - 1 when there is none.
+int ChunkEvaluator::State::highest(int from, int to) {
+  const double size = voxel * chunk_cells;
+  if (from > to || excludes_zero(bare_range(from * size, (to + 1) * size))) return from - 1;
+  if (from == to) return from;
+  const int middle = from + (to - from) / 2, upper = highest(middle + 1, to);
+  return upper > middle ? upper : highest(from, middle);
+}
+
+/// The least; to + 1 when there is none.
+int ChunkEvaluator::State::lowest(int from, int to) {
+  const double size = voxel * chunk_cells;
+  if (from > to || excludes_zero(bare_range(from * size, (to + 1) * size))) return to + 1;
+  if (from == to) return from;
+  const int middle = from + (to - from) / 2, lower = lowest(from, middle);
+  return lower <= middle ? lower : lowest(middle + 1, to);
 }
 
 void ChunkEvaluator::State::list_primitives(CloudPart& part) {
@@ -226,6 +275,8 @@ Interval ChunkEvaluator::State::brick_range(const Box3f& box, int bx, int by, in
       return impl::domain_range(*program.domains[in.index], d.value.lo[plane], d.value.hi[plane], box.lo.z,
                                 box.hi.z);
     }
+    if (in.kind == Instruction::Kind::nested)
+      return program.nested[in.index]->range(closure(bx, by, bz), points.nested(in.index));
     const CloudPart& part = clouds[in.index];
     Interval sum{0, 0};
     for (std::uint32_t m = part.begin[b]; m < part.begin[b + 1]; ++m)
@@ -236,23 +287,55 @@ Interval ChunkEvaluator::State::brick_range(const Box3f& box, int bx, int by, in
   });
 }
 
-/// The whole chunk's range when no primitive touches it.
-Interval ChunkEvaluator::State::bare_range() {
-  const float z0 = low(z, 0), z1 = high(z, chunk_cells);
+/// The column's range over [lo, hi] where no primitive touches that.
+Interval ChunkEvaluator::State::bare_range(double lo, double hi) {
+  const float z0 = static_cast<float>(lo) - slack(), z1 = static_cast<float>(hi) + slack();
   return impl::range_of(program, range_work, [&](const Instruction& in) -> Interval {
-    if (in.kind == Instruction::Kind::height) {
-      const Height& h = heights[in.index];
-      return impl::height_range(*program.heights[in.index], h.all_value.lo, h.all_value.hi, h.all_scale.lo,
-                                h.all_scale.hi, z0, z1);
+    switch (in.kind) {
+      case Instruction::Kind::height: {
+        const Height& h = heights[in.index];
+        return impl::height_range(*program.heights[in.index], h.all_value.lo, h.all_value.hi, h.all_scale.lo,
+                                  h.all_scale.hi, z0, z1);
+      }
+      case Instruction::Kind::domain:
+        return impl::domain_range(*program.domains[in.index], domains[in.index].all_value.lo,
+                                  domains[in.index].all_value.hi, z0, z1);
+      case Instruction::Kind::nested:
+        return program.nested[in.index]->range(
+            {{x.metres[0], y.metres[0], lo}, {x.metres[chunk_cells], y.metres[chunk_cells], hi}},
+            points.nested(in.index));
+      default:
+        return {0, 0};
     }
-    if (in.kind == Instruction::Kind::domain)
-      return impl::domain_range(*program.domains[in.index], domains[in.index].all_value.lo,
-                                domains[in.index].all_value.hi, z0, z1);
-    return {0, 0};
   });
 }
 
-void ChunkEvaluator::State::evaluate_block(int bx, int by, int bz, int ny, int nz, ChunkSamples& out) {
+Box3d ChunkEvaluator::State::closure(int bx, int by, int bz) const {
+  const int i = bx * brick_cells, j = by * brick_cells, k = bz * brick_cells;
+  return {{x.metres[i], y.metres[j], z.metres[k]},
+          {x.metres[i + brick_cells], y.metres[j + brick_cells], z.metres[k + brick_cells]}};
+}
+
+/// The first nx samples of each row of the block that begins at sample `first`.
+void ChunkEvaluator::State::nested_block(std::size_t index, Vec3i first, int nx, const Block& block) {
+  lattice_points.clear();
+  for (int k = 0; k < block.nz; ++k)
+    for (int j = 0; j < block.ny; ++j)
+      for (int i = 0; i < nx; ++i)
+        lattice_points.push_back({x.metres[first.x + i], y.metres[first.y + j], z.metres[first.z + k]});
+  lattice_values.resize(lattice_points.size());
+  program.nested[index]->values(lattice_points, points.nested(index), lattice_values.data());
+  const float* from = lattice_values.data();
+  for (int k = 0; k < block.nz; ++k)
+    for (int j = 0; j < block.ny; ++j, from += nx) {
+      float* row = block.f + k * block.plane + j * block.row;
+      std::copy_n(from, nx, row);
+      std::fill(row + nx, row + brick_cells, from[0]);  // read by nobody, but operators compute on it
+    }
+}
+
+void ChunkEvaluator::State::evaluate_block(int bx, int by, int bz, int nx, int ny, int nz,
+                                           ChunkSamples& out) {
   const int i0 = bx * brick_cells, j0 = by * brick_cells, k0 = bz * brick_cells;
   Block base{
       x.units + i0, y.units + j0, z.units + k0, x.rest + i0, y.rest + j0, z.rest + k0, ny, nz, nullptr, 0, 0};
@@ -287,6 +370,8 @@ void ChunkEvaluator::State::evaluate_block(int bx, int by, int bz, int ny, int n
         } else if (in.kind == Instruction::Kind::domain) {
           kernels.domain_block(*program.domains[in.index], domains[in.index].columns.value.data() + at,
                                block);
+        } else if (in.kind == Instruction::Kind::nested) {
+          nested_block(in.index, {i0, j0, k0}, nx, block);
         } else {
           for (int k = 0; k < nz; ++k)
             for (int j = 0; j < ny; ++j) std::fill_n(block.f + k * block.plane + j * block.row, 8, in.value);
@@ -301,7 +386,7 @@ void ChunkEvaluator::State::evaluate_block(int bx, int by, int bz, int ny, int n
         cloud.type().kernels().add_block(cloud.view(part.column), part.items.data() + part.begin[b], count,
                                          slot(i));
       },
-      [&](int i, const Instruction& in) { in.op->kernels().block(slot(i), slot(i + 1)); });
+      [&](int i, const Instruction& in) { in.op->kernels().block(slot(i), slot(i + 1), in.value); });
 }
 
 bool ChunkEvaluator::evaluate(int c, ChunkSamples& out) {
@@ -317,8 +402,7 @@ bool ChunkEvaluator::evaluate(int c, ChunkSamples& out) {
     s.list_primitives(part);
     touching += part.touching;
   }
-  const auto excludes_zero = [](Interval r) { return r.lo > 0 || r.hi < 0; };
-  if (touching == 0 && excludes_zero(s.bare_range())) return false;
+  if (touching == 0 && excludes_zero(s.bare_range(s.z.metres[0], s.z.metres[chunk_cells]))) return false;
 
   for (int bz = 0; bz < bricks; ++bz)
     for (int by = 0; by < bricks; ++by)
@@ -344,7 +428,7 @@ bool ChunkEvaluator::evaluate(int c, ChunkSamples& out) {
           nz = std::max(nz, dz ? 1 : brick_cells);
         }
         if (nx == 0) continue;
-        s.evaluate_block(bx, by, bz, ny, nz, out);
+        s.evaluate_block(bx, by, bz, nx, ny, nz, out);
         out.evaluated += static_cast<std::uint64_t>(nx * ny * nz);
       }
   return true;

@@ -12,12 +12,11 @@
 
 namespace tafoni::field {
 
-using impl::Instruction;
 using impl::Program;
 
 CompiledField compile(const NodePtr& root) {
   limit_simd();
-  return CompiledField(std::make_shared<const Program>(impl::flatten(root)));
+  return CompiledField(impl::Compiler().program(root));
 }
 
 namespace {
@@ -74,7 +73,7 @@ void in_packs(const Program& program, std::span<const Vec3d> points, const Run& 
     std::iota(order.begin(), order.end(), 0u);
   }
   // A group grows past one pack only while it stays as small as the primitives it would find.
-  const float spread = impl::typical_reach(program) * 3;
+  const float spread = program.reach * 3;
   const auto group_end = [&](std::size_t begin, std::size_t end) {
     Box3f box;
     std::size_t i = begin;
@@ -89,7 +88,8 @@ void in_packs(const Program& program, std::span<const Vec3d> points, const Run& 
     return i;
   };
   const auto groups = [&](std::size_t begin, std::size_t end) {
-    auto& work = impl::PointWork::local();
+    const impl::PointWork::Lease lease;
+    impl::PointWork& work = *lease;
     while (begin < end) {
       const std::size_t next = group_end(begin, end);
       const auto group = std::span(order).subspan(begin, next - begin);
@@ -140,54 +140,11 @@ void CompiledField::gradients(std::span<const Vec3d> points, std::span<float> va
 }
 
 Interval CompiledField::interval(const Box3d& box) const {
-  static thread_local impl::RangeWork work;
-  static thread_local impl::Primitives scratch;
-  // Rounding the box to float must not shrink it.
-  const float slack = impl::position_slack;
-  const Box3f floats = Box3f{to_float(box.lo), to_float(box.hi)}.grown(slack);
-  return impl::range_of(*program_, work, [&](const Instruction& in) -> Interval {
-    if (in.kind == Instruction::Kind::height) {
-      const impl::HeightLeaf& leaf = *program_->heights[in.index];
-      const auto r = leaf.sampler.range(box.lo.x, box.lo.y, box.hi.x, box.hi.y);
-      const float least = leaf.first_order ? 1.f / std::sqrt(1.f + r.slope * r.slope) : 1.f;
-      return impl::height_range(leaf, r.lo, r.hi, least, 1.f, floats.lo.z, floats.hi.z);
-    }
-    if (in.kind == Instruction::Kind::domain) {
-      const impl::DomainLeaf& leaf = *program_->domains[in.index];
-      const Box3d& d = leaf.domain.box;
-      // The distance to a rectangle's border is 1-Lipschitz; at a box it is bounded axis by axis.
-      const double lo = impl::corner_distance(std::min(box.lo.x - d.lo.x, d.hi.x - box.hi.x),
-                                              std::min(box.lo.y - d.lo.y, d.hi.y - box.hi.y));
-      const double mx = std::min(std::min(box.hi.x, d.hi.x) - d.lo.x, d.hi.x - std::max(box.lo.x, d.lo.x));
-      const double my = std::min(std::min(box.hi.y, d.hi.y) - d.lo.y, d.hi.y - std::max(box.lo.y, d.lo.y));
-      float least = static_cast<float>(lo), most = static_cast<float>(impl::corner_distance(mx, my));
-      if (leaf.inside) {
-        const auto r = leaf.inside->range(box.lo.x, box.lo.y, box.hi.x, box.hi.y);
-        least = std::min(least, r.lo);
-        most = std::min(most, r.hi);
-      }
-      return impl::domain_range(leaf, least - slack, most + slack, floats.lo.z, floats.hi.z);
-    }
-    return program_->clouds[in.index]->interval(floats, scratch);
-  });
+  return impl::PointWork::Lease()->range(*program_, box);
 }
 
 Box3d CompiledField::bounds() const {
-  Box3d box;
-  for (const auto* leaf : program_->heights) {
-    const auto& r = leaf->sampler.raster();
-    const auto range = leaf->sampler.range();
-    const auto& p = r.placement;
-    box.expand(Box3d{{p.west, p.north - r.height() * p.dy, range.lo},
-                     {p.west + r.width() * p.dx, p.north, range.hi}});
-  }
-  for (const auto* cloud : program_->clouds)
-    if (cloud->size() > 0) box.expand(Box3d{to_double(cloud->bounds().lo), to_double(cloud->bounds().hi)});
-  for (const auto* leaf : program_->domains) {
-    const Box3d& d = leaf->domain.box;
-    box.expand(Box3d{d.lo, {d.hi.x, d.hi.y, d.lo.z}});
-  }
-  return box;
+  return impl::bounds(*program_);
 }
 
 }  // namespace tafoni::field

@@ -21,6 +21,8 @@ class Function {
   virtual double step() const { return 0.05; }
   /// Encloses every value over the box. The tighter, the more is pruned.
   virtual Interval range(const Box3d& box) const = 0;
+  /// A box outside of which the function is exactly 0. Unless overridden, everything.
+  virtual Box3d support() const { return Box3d::everything(); }
 };
 using FunctionPtr = std::shared_ptr<const Function>;
 

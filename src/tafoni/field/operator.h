@@ -1,10 +1,12 @@
 #pragma once
-// What the program knows of an operator: a name and how it combines two values. One file each in operators/.
+// What the program knows of an operator. One file each in operators/.
 
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "tafoni/core/params.h"
 #include "tafoni/math/vec.h"
 
 namespace tafoni::field {
@@ -16,12 +18,18 @@ struct OperatorKernels;
 /// What an operator needs of its operands where only their ranges are known.
 enum class Needs { both, first, second };
 
+/// An operator either combines two values (all three functions below; at most one parameter, which they get)
+/// or asks its operand elsewhere or takes functions (none of them; made by the function of tree.h of its
+/// name).
 struct OperatorType {
   std::string name, doc, source;
-  Interval (*interval)(Interval a, Interval b) = nullptr;
+  std::vector<ParamInfo> params;
+  Interval (*interval)(Interval a, Interval b, float parameter) = nullptr;
   /// `first` or `second` when the result is bit for bit that operand over the whole range.
-  Needs (*needs)(Interval a, Interval b) = nullptr;
+  Needs (*needs)(Interval a, Interval b, float parameter) = nullptr;
   const impl::OperatorKernels& (*kernels)() = nullptr;
+
+  bool combines() const { return kernels != nullptr; }
 };
 
 std::span<const OperatorType* const> all_operators();
@@ -35,9 +43,9 @@ struct PointValues;
 
 /// In place on `a`.
 struct OperatorKernels {
-  void (*block)(const Block& a, const Block& b);
-  void (*points)(float* a, const float* b);
-  void (*gradients)(PointValues& a, const PointValues& b);
+  void (*block)(const Block& a, const Block& b, float parameter);
+  void (*points)(float* a, const float* b, float parameter);
+  void (*gradients)(PointValues& a, const PointValues& b, float parameter);
 };
 
 }  // namespace impl

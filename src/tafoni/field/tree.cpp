@@ -2,12 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 #include <unordered_set>
 
 #include "tafoni/core/random.h"
 #include "tafoni/field/impl/node.h"
 
 namespace tafoni::field {
+
+Node::Node(Content c) : content(std::move(c)) {
+  if (const auto* op = operation()) {
+    for (const NodePtr& child : op->children) depth = std::max(depth, child->depth);
+  } else if (const auto* own = nested()) {
+    const NodePtr child = own->child();
+    depth = 1 + std::max(own->depth_below(), child ? child->depth : 0);
+  }
+}
 
 Node::~Node() {
   auto* own = std::get_if<Operation>(&content);
@@ -157,33 +167,90 @@ void add_curve(CloudBuilder& cloud, std::span<const Vec3d> points, double radius
 
 NodePtr combine(std::string_view op, std::vector<NodePtr> children) {
   const OperatorType& type = find_operator(op);
+  if (!type.combines())
+    fail(ErrorKind::usage, "{} does not combine trees by value; it has a function of its own", op);
   std::erase(children, nullptr);
   if (children.empty()) fail(ErrorKind::usage, "{} has no operands", op);
   if (children.size() == 1) return children.front();
-  return std::make_shared<Node>(Node::Operation{&type, std::move(children)});
+  const float parameter =
+      type.params.empty() ? 0.f : static_cast<float>(std::get<double>(type.params.front().init));
+  return std::make_shared<Node>(Node::Operation{&type, std::move(children), parameter});
+}
+
+namespace {
+
+/// What `node` is 0 outside of, given the same of its children.
+Box3d support_of(const Node& node, const std::unordered_map<const Node*, Box3d>& known) {
+  if (const auto* cloud = node.cloud()) {
+    if (cloud->size() == 0) return {};
+    return {to_double(cloud->bounds().lo), to_double(cloud->bounds().hi)};
+  }
+  if (const auto* value = std::get_if<float>(&node.content))
+    return *value == 0 ? Box3d{} : Box3d::everything();
+  if (const auto* nested = node.nested()) {
+    const NodePtr child = nested->child();
+    return nested->support(child ? known.at(child.get()) : Box3d{});
+  }
+  const auto* op = node.operation();
+  if (!op) return Box3d::everything();
+  const Interval nothing = op->type->interval({0, 0}, {0, 0}, op->parameter);
+  if (nothing.lo != 0 || nothing.hi != 0) return Box3d::everything();
+  Box3d box;
+  for (const NodePtr& child : op->children) box.expand(known.at(child.get()));
+  return box;
+}
+
+/// Calls visit(node) once for every node, children before parents, without recursion.
+template <class Visit>
+void each_node(const Node* root, const Visit& visit) {
+  std::unordered_set<const Node*> seen;
+  struct Frame {
+    const Node* node;
+    std::size_t next = 0;
+  };
+  std::vector<Frame> frames;
+  const auto enter = [&](const Node* node) {
+    if (node && seen.insert(node).second) frames.push_back({node});
+  };
+  enter(root);
+  while (!frames.empty()) {
+    Frame& frame = frames.back();
+    const std::size_t next = frame.next++;
+    if (const auto* op = frame.node->operation(); op && next < op->children.size()) {
+      enter(op->children[next].get());
+    } else if (const auto* nested = frame.node->nested(); nested && next == 0) {
+      enter(nested->child().get());
+    } else {
+      visit(*frame.node);
+      frames.pop_back();
+    }
+  }
+}
+
+}  // namespace
+
+Box3d support(const NodePtr& tree) {
+  std::unordered_map<const Node*, Box3d> known;
+  each_node(tree.get(), [&](const Node& node) { known[&node] = support_of(node, known); });
+  return tree ? known.at(tree.get()) : Box3d{};
 }
 
 TreeStats stats(const NodePtr& root) {
   TreeStats total;
-  std::unordered_set<const Node*> seen;
-  std::vector<const Node*> pending{root.get()};
-  while (!pending.empty()) {
-    const Node* node = pending.back();
-    pending.pop_back();
-    if (!node || !seen.insert(node).second) continue;
+  each_node(root.get(), [&](const Node& node) {
     total.bytes += sizeof(Node);
-    if (const auto* cloud = node->cloud()) {
+    if (const auto* cloud = node.cloud()) {
       total.nodes += cloud->size();
       total.primitives += cloud->size();
       total.bytes += cloud->bytes();
+    } else if (const auto* nested = node.nested()) {
+      total.nodes += nested->count();
+      total.bytes += nested->bytes();
     } else {
       ++total.nodes;
     }
-    if (const auto* op = node->operation()) {
-      total.bytes += op->children.size() * sizeof(NodePtr);
-      for (const auto& child : op->children) pending.push_back(child.get());
-    }
-  }
+    if (const auto* op = node.operation()) total.bytes += op->children.size() * sizeof(NodePtr);
+  });
   return total;
 }
 

@@ -67,7 +67,16 @@ struct Box3 {
   Vec3<T> hi{std::numeric_limits<T>::lowest(), std::numeric_limits<T>::lowest(),
              std::numeric_limits<T>::lowest()};
 
+  static constexpr Box3 everything() {
+    constexpr T far = std::numeric_limits<T>::infinity();
+    return {{-far, -far, -far}, {far, far, far}};
+  }
   constexpr bool empty() const { return lo.x > hi.x || lo.y > hi.y || lo.z > hi.z; }
+  /// No side at infinity.
+  bool bounded() const {
+    return std::isfinite(lo.x) && std::isfinite(lo.y) && std::isfinite(lo.z) && std::isfinite(hi.x) &&
+           std::isfinite(hi.y) && std::isfinite(hi.z);
+  }
   constexpr bool contains(Vec3<T> p) const {
     return p.x >= lo.x && p.x <= hi.x && p.y >= lo.y && p.y <= hi.y && p.z >= lo.z && p.z <= hi.z;
   }

@@ -14,21 +14,30 @@ namespace tafoni::field::impl {
 namespace HWY_NAMESPACE {
 using namespace tafoni::HWY_NAMESPACE;
 
+/// An operator is a struct with apply(a, b), or apply(a, b, parameter) where it has one.
+template <class Op, class N>
+TAFONI_LANES_INLINE N applied(const N& a, const N& b, float parameter) {
+  if constexpr (requires { Op::apply(a, b, N(parameter)); })
+    return Op::apply(a, b, N(parameter));
+  else
+    return Op::apply(a, b);
+}
+
 template <class Op>
-void operator_block(const Block& a, const Block& b) {
+void operator_block(const Block& a, const Block& b, float parameter) {
   for (int k = 0; k < a.nz; ++k)
     for (int j = 0; j < a.ny; ++j)
       for (std::size_t l = 0; l < 8; l += lane_count()) {
         float* fa = a.f + k * a.plane + j * a.row + l;
         const float* fb = b.f + k * b.plane + j * b.row + l;
-        Op::apply(Lanes::load(fa), Lanes::load(fb)).store(fa);
+        applied<Op>(Lanes::load(fa), Lanes::load(fb), parameter).store(fa);
       }
 }
 
 template <class Op>
-void operator_points(float* a, const float* b) {
+void operator_points(float* a, const float* b, float parameter) {
   for (std::size_t l = 0; l < 8; l += lane_count())
-    Op::apply(Lanes::load(a + l), Lanes::load(b + l)).store(a + l);
+    applied<Op>(Lanes::load(a + l), Lanes::load(b + l), parameter).store(a + l);
 }
 
 TAFONI_LANES_INLINE Dual load_dual(const PointValues& p, std::size_t l) {
@@ -36,9 +45,9 @@ TAFONI_LANES_INLINE Dual load_dual(const PointValues& p, std::size_t l) {
 }
 
 template <class Op>
-void operator_gradients(PointValues& a, const PointValues& b) {
+void operator_gradients(PointValues& a, const PointValues& b, float parameter) {
   for (std::size_t l = 0; l < 8; l += lane_count()) {
-    const Dual r = Op::apply(load_dual(a, l), load_dual(b, l));
+    const Dual r = applied<Op>(load_dual(a, l), load_dual(b, l), parameter);
     r.v.store(a.v + l);
     r.x.store(a.gx + l);
     r.y.store(a.gy + l);

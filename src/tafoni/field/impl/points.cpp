@@ -5,12 +5,65 @@
 
 namespace tafoni::field::impl {
 
-PointWork& PointWork::local() {
-  static thread_local PointWork work;
-  return work;
+namespace {
+
+/// Works of this thread; the first `leased` are in use.
+struct Pool {
+  std::vector<std::unique_ptr<PointWork>> works;
+  std::size_t leased = 0;
+};
+Pool& pool() {
+  static thread_local Pool pool;
+  return pool;
+}
+PointWork& lease() {
+  Pool& own = pool();
+  if (own.leased == own.works.size()) own.works.push_back(std::make_unique<PointWork>());
+  return *own.works[own.leased++];
+}
+
+}  // namespace
+
+PointWork::PointWork() = default;
+PointWork::~PointWork() = default;
+PointWork::PointWork(PointWork&&) noexcept = default;
+PointWork::Lease::Lease() : work_(lease()) {}
+PointWork::Lease::~Lease() {
+  --pool().leased;
+}
+
+PointWork& PointWork::nested(std::size_t index) {
+  if (nested_.size() <= index) nested_.resize(index + 1);
+  if (!nested_[index]) nested_[index] = std::make_unique<PointWork>();
+  return *nested_[index];
+}
+
+void PointWork::values(const Program& program, std::span<const Vec3d> points, float* out) {
+  in_packs(program, points,
+           [&](std::size_t first, std::size_t n) { std::copy_n(values(program), n, out + first); });
+}
+
+void PointWork::gradients(const Program& program, std::span<const Vec3d> points, PointValues* out) {
+  in_packs(program, points,
+           [&](std::size_t first, std::size_t) { out[first / pack_size] = gradients(program); });
+}
+
+template <class Run>
+void PointWork::in_packs(const Program& program, std::span<const Vec3d> points, const Run& run) {
+  if (points.empty()) return;
+  while (group_.size() < points.size()) group_.push_back(static_cast<std::uint32_t>(group_.size()));
+  const auto group = std::span<const std::uint32_t>(group_).first(points.size());
+  collect(program, points, group);
+  for (std::size_t i = 0; i < group.size(); i += pack_size) {
+    const auto pack = group.subspan(i, std::min(pack_size, group.size() - i));
+    load(points, pack);
+    if (group.size() > pack_size) narrow(program);
+    run(i, pack.size());
+  }
 }
 
 void PointWork::load(std::span<const Vec3d> points, std::span<const std::uint32_t> pack) {
+  count_ = pack.size();
   for (std::size_t l = 0; l < 8; ++l) {
     const Vec3d& p = points[pack[l < pack.size() ? l : 0]];
     points_[l] = p;
@@ -66,6 +119,11 @@ void PointWork::narrow(const Program& program) {
   }
 }
 
+void PointWork::nested_values(const Program& program, std::size_t index, float* out) {
+  program.nested[index]->values({points_, count_}, nested(index), out);
+  std::fill(out + count_, out + pack_size, out[0]);
+}
+
 const float* PointWork::values(const Program& program) {
   if (value_slots_.size() < program.depth) value_slots_.resize(program.depth);
   const LeafKernels& kernels = leaf_kernels();
@@ -77,6 +135,8 @@ const float* PointWork::values(const Program& program) {
           kernels.height_points(*program.heights[in.index], points_, lanes_, slot(i));
         else if (in.kind == Instruction::Kind::domain)
           kernels.domain_points(*program.domains[in.index], points_, lanes_, slot(i));
+        else if (in.kind == Instruction::Kind::nested)
+          nested_values(program, in.index, slot(i));
         else
           std::fill_n(slot(i), 8, in.value);
       },
@@ -87,7 +147,7 @@ const float* PointWork::values(const Program& program) {
         cloud.type().kernels().add_points(cloud.view(*list.primitives), list.items, list.count, lanes_,
                                           slot(i));
       },
-      [&](int i, const Instruction& in) { in.op->kernels().points(slot(i), slot(i + 1)); });
+      [&](int i, const Instruction& in) { in.op->kernels().points(slot(i), slot(i + 1), in.value); });
   return slot(0);
 }
 
@@ -102,6 +162,8 @@ const PointValues& PointWork::gradients(const Program& program) {
           kernels.height_gradients(*program.heights[in.index], points_, lanes_, slot(i));
         } else if (in.kind == Instruction::Kind::domain) {
           kernels.domain_gradients(*program.domains[in.index], points_, lanes_, slot(i));
+        } else if (in.kind == Instruction::Kind::nested) {
+          program.nested[in.index]->gradients({points_, count_}, nested(in.index), &slot(i));
         } else {
           slot(i) = {};
           std::fill_n(slot(i).v, 8, in.value);
@@ -114,7 +176,7 @@ const PointValues& PointWork::gradients(const Program& program) {
         cloud.type().kernels().add_gradients(cloud.view(*list.primitives), list.items, list.count, lanes_,
                                              slot(i));
       },
-      [&](int i, const Instruction& in) { in.op->kernels().gradients(slot(i), slot(i + 1)); });
+      [&](int i, const Instruction& in) { in.op->kernels().gradients(slot(i), slot(i + 1), in.value); });
   return slot(0);
 }
 

@@ -2,17 +2,59 @@
 // Evaluation of a program at up to eight points at once. Lists of primitives may be any superset, in
 // canonical order, of those that touch the points: the rest add exactly zero.
 
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "tafoni/field/impl/program.h"
+#include "tafoni/field/impl/warp_noise.h"
 
 namespace tafoni::field::impl {
 
 class PointWork {
  public:
-  /// This thread's own.
-  static PointWork& local();
+  PointWork();
+  ~PointWork();
+  PointWork(PointWork&&) noexcept;
+
+  /// One of this thread's own, for as long as this lives: a function that evaluation asks may evaluate fields
+  /// itself.
+  class Lease {
+   public:
+    Lease();
+    ~Lease();
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    PointWork& operator*() const { return work_; }
+    PointWork* operator->() const { return &work_; }
+
+   private:
+    PointWork& work_;
+  };
+
+  /// f at neighbouring points: primitives are found once for all of them.
+  void values(const Program& program, std::span<const Vec3d> points, float* out);
+  /// Lane i % 8 of out[i / 8]; lanes beyond the points repeat the first of their pack.
+  void gradients(const Program& program, std::span<const Vec3d> points, PointValues* out);
+  /// Encloses f over the box.
+  Interval range(const Program& program, const Box3d& box);
+  /// Elevations over the column's x and y beyond which the program's leaves mostly stay as they are.
+  Interval extent(const Program& program, const Box3d& column);
+
+  /// What the nested leaf `index` of the program works in.
+  PointWork& nested(std::size_t index);
+  /// Buffers of a nested leaf.
+  struct Scratch {
+    std::vector<Vec3d> points;
+    std::vector<float> values, control;
+    std::vector<PointValues> gradients;
+    std::vector<Vec3f> slopes;
+    std::vector<Displacement> displacements;
+    std::vector<std::uint32_t> items;
+  };
+  Scratch scratch;
+
+  // The steps of the above, for who has points in an order of their own.
 
   /// Loads points[pack[0]] …; unused lanes repeat the first.
   void load(std::span<const Vec3d> points, std::span<const std::uint32_t> pack);
@@ -33,7 +75,14 @@ class PointWork {
   const PointValues& gradients(const Program& program);
 
  private:
+  static constexpr std::size_t pack_size = 8;
+  /// Calls run(first, count) for each pack of the points, loaded and with its primitives found.
+  template <class Run>
+  void in_packs(const Program& program, std::span<const Vec3d> points, const Run& run);
+  void nested_values(const Program& program, std::size_t index, float* out);
+
   Vec3d points_[8];
+  std::size_t count_ = 0;
   PointLanes lanes_;
   std::vector<Primitives> decoded_;
   std::vector<std::uint32_t> iota_;
@@ -44,6 +93,10 @@ class PointWork {
   };
   std::vector<Slot> value_slots_;
   std::vector<PointValues> gradient_slots_;
+  RangeWork ranges_;
+  Primitives in_box_;
+  std::vector<std::uint32_t> group_;
+  std::vector<std::unique_ptr<PointWork>> nested_;
 };
 
 }  // namespace tafoni::field::impl

@@ -20,73 +20,88 @@ Interval widened(Interval r, float amplitude) {
   return {r.lo - slack, r.hi + slack};
 }
 
-}  // namespace
-
-Program flatten(const NodePtr& root) {
-  Program program;
-  program.root = root;
-  std::unordered_map<const void*, std::uint32_t> known;
+/// Flattens one tree.
+class Flattener {
+ public:
   using Kind = Instruction::Kind;
+  explicit Flattener(Program& program) : program_(program) {}
 
-  // An explicit stack: trees may be deeper than the machine's.
+  template <class CompileNested>
+  void run(const Node* root, const CompileNested& compile_nested) {
+    // An explicit stack: trees may be deeper than the machine's.
+    frames_.push_back({root, 0, 0, 0});
+    while (!frames_.empty()) {
+      if (frames_.back().node->operation()) {
+        step();
+      } else {
+        leaf(*frames_.back().node, compile_nested);
+        frames_.pop_back();
+      }
+    }
+  }
+
+ private:
   struct Frame {
     const Node* node;
     std::size_t next = 0;
     std::uint32_t begin = 0, second = 0;
   };
-  std::vector<Frame> frames{{root.get(), 0, 0, 0}};
-  std::size_t depth = 0;
-  const auto emit = [&](Instruction in) {
-    if (in.kind == Kind::apply) --depth;
-    if (in.kind == Kind::height || in.kind == Kind::domain || in.kind == Kind::constant) ++depth;
-    program.depth = std::max(program.depth, depth);
-    program.code.push_back(in);
-  };
-  const auto here = [&] { return static_cast<std::uint32_t>(program.code.size()); };
-  const auto emit_cloud = [&](const Cloud& cloud) {
-    emit({Kind::add, leaf_index(program.clouds, known, &cloud), 0, nullptr, 0, 0});
-  };
 
-  while (!frames.empty()) {
-    Frame& frame = frames.back();
-    const Node& node = *frame.node;
-    const auto* op = node.operation();
-    if (!op) {
-      if (const auto* h = std::get_if<HeightLeaf>(&node.content)) {
-        emit({Kind::height, leaf_index(program.heights, known, h), 0, nullptr, 0, 0});
-      } else if (const auto* d = std::get_if<DomainLeaf>(&node.content)) {
-        emit({Kind::domain, leaf_index(program.domains, known, d), 0, nullptr, 0, 0});
-      } else if (const auto* c = node.cloud()) {
-        emit({Kind::constant, 0, 0.f, nullptr, 0, 0});
-        emit_cloud(*c);
-      } else {
-        emit({Kind::constant, 0, std::get<float>(node.content), nullptr, 0, 0});
-      }
-      frames.pop_back();
-      continue;
+  void emit(Instruction in) {
+    if (in.kind == Kind::apply)
+      --depth_;
+    else if (in.kind != Kind::add)
+      ++depth_;
+    program_.depth = std::max(program_.depth, depth_);
+    program_.code.push_back(in);
+  }
+  void emit_cloud(const Cloud& cloud) {
+    emit({Kind::add, leaf_index(program_.clouds, known_, &cloud), 0, nullptr, 0, 0});
+  }
+  std::uint32_t here() const { return static_cast<std::uint32_t>(program_.code.size()); }
+
+  template <class CompileNested>
+  void leaf(const Node& node, const CompileNested& compile_nested) {
+    if (const auto* h = std::get_if<HeightLeaf>(&node.content)) {
+      emit({Kind::height, leaf_index(program_.heights, known_, h), 0, nullptr, 0, 0});
+    } else if (const auto* d = std::get_if<DomainLeaf>(&node.content)) {
+      emit({Kind::domain, leaf_index(program_.domains, known_, d), 0, nullptr, 0, 0});
+    } else if (const auto* c = node.cloud()) {
+      emit({Kind::constant, 0, 0.f, nullptr, 0, 0});
+      emit_cloud(*c);
+    } else if (const auto* n = node.nested()) {
+      const auto [it, added] = known_.try_emplace(n, static_cast<std::uint32_t>(program_.nested.size()));
+      if (added) program_.nested.push_back(compile_nested(*n));
+      emit({Kind::nested, it->second, 0, nullptr, 0, 0});
+    } else {
+      emit({Kind::constant, 0, std::get<float>(node.content), nullptr, 0, 0});
     }
+  }
+
+  /// One child of the operation on top, or its end.
+  void step() {
+    Frame& frame = frames_.back();
+    const auto& op = *frame.node->operation();
+    const bool blend = op.type->name == "blend";
     if (frame.next == 0) frame.begin = here();
-    if (frame.next >= 2) {
-      const Node& last = *op->children[frame.next - 1];
-      if (op->type->name != "blend" || !last.cloud())
-        emit({Kind::apply, 0, 0, op->type, frame.begin, frame.second});
-    }
+    if (frame.next >= 2 && !(blend && op.children[frame.next - 1]->cloud()))
+      emit({Kind::apply, 0, op.parameter, op.type, frame.begin, frame.second});
     // Blended clouds add straight onto what stands before them.
-    while (frame.next >= 1 && frame.next < op->children.size() && op->type->name == "blend" &&
-           op->children[frame.next]->cloud()) {
-      emit_cloud(*op->children[frame.next]->cloud());
+    while (blend && frame.next >= 1 && frame.next < op.children.size() && op.children[frame.next]->cloud()) {
+      emit_cloud(*op.children[frame.next]->cloud());
       ++frame.next;
     }
-    if (frame.next == op->children.size()) {
-      frames.pop_back();
-      continue;
-    }
+    if (frame.next == op.children.size()) return frames_.pop_back();
     frame.second = here();
-    const Node* child = op->children[frame.next++].get();
-    frames.push_back({child, 0, 0, 0});
+    const Node* child = op.children[frame.next++].get();
+    frames_.push_back({child, 0, 0, 0});
   }
-  return program;
-}
+
+  Program& program_;
+  std::unordered_map<const void*, std::uint32_t> known_;
+  std::vector<Frame> frames_;
+  std::size_t depth_ = 0;
+};
 
 float typical_reach(const Program& program) {
   double sum = 0;
@@ -95,7 +110,28 @@ float typical_reach(const Program& program) {
     sum += static_cast<double>(cloud->mean_reach()) * static_cast<double>(cloud->size());
     count += cloud->size();
   }
-  return count ? static_cast<float>(sum / static_cast<double>(count)) : 0.f;
+  float reach = count ? static_cast<float>(sum / static_cast<double>(count)) : 0.f;
+  for (const auto& nested : program.nested) reach = std::max(reach, nested->reach());
+  return reach;
+}
+
+}  // namespace
+
+std::shared_ptr<const Program> Compiler::program(const NodePtr& root) {
+  if (const auto it = programs_.find(root.get()); it != programs_.end()) return it->second;
+  auto program = std::make_shared<Program>();
+  program->root = root;
+  Flattener(*program).run(root.get(), [this](const NestedNode& node) { return nested(node); });
+  program->reach = typical_reach(*program);
+  programs_.emplace(root.get(), program);
+  return program;
+}
+
+std::shared_ptr<const Nested> Compiler::nested(const NestedNode& node) {
+  if (const auto it = nested_.find(&node); it != nested_.end()) return it->second;
+  auto compiled = node.compile(*this);
+  nested_.emplace(&node, compiled);
+  return compiled;
 }
 
 Interval height_range(const HeightLeaf& leaf, float lo, float hi, float scale_lo, float scale_hi, float z0,

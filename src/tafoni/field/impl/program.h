@@ -2,6 +2,8 @@
 // The compiled field: a tree flattened to a postfix program over its leaves.
 
 #include <cstdint>
+#include <memory>
+#include <unordered_map>
 #include <vector>
 
 #include "tafoni/field/impl/node.h"
@@ -13,8 +15,9 @@ struct Instruction {
     height,    ///< push the height leaf `index`
     domain,    ///< push the domain leaf `index`
     constant,  ///< push `value`
+    nested,    ///< push the nested leaf `index`
     add,       ///< add the cloud `index` to the top, primitive by primitive
-    apply,     ///< combine the two topmost with the operator
+    apply,     ///< combine the two topmost with the operator, whose parameter is `value`
   };
   Kind kind;
   std::uint32_t index = 0;
@@ -29,13 +32,25 @@ struct Program {
   std::vector<const HeightLeaf*> heights;
   std::vector<const DomainLeaf*> domains;
   std::vector<const Cloud*> clouds;
+  std::vector<std::shared_ptr<const Nested>> nested;
   std::size_t depth = 0;  ///< greatest number of values on the stack
+  float reach = 0;        ///< mean radius of the primitives' supports, metres; 0 without primitives
 };
 
-Program flatten(const NodePtr& root);
+/// Compiles trees, each node that is asked elsewhere once.
+class Compiler {
+ public:
+  std::shared_ptr<const Program> program(const NodePtr& root);
 
-/// Mean radius of the primitives' supports, metres; 0 without primitives.
-float typical_reach(const Program& program);
+ private:
+  std::shared_ptr<const Nested> nested(const NestedNode& node);
+
+  std::unordered_map<const Node*, std::shared_ptr<const Program>> programs_;
+  std::unordered_map<const NestedNode*, std::shared_ptr<const Nested>> nested_;
+};
+
+/// Holds the surface. Where functions take part it is the zone in which the other leaves may be near 0.
+Box3d bounds(const Program& program);
 
 /// Ranges of one evaluation, and which code the ranges made needless.
 struct RangeWork {
@@ -43,8 +58,9 @@ struct RangeWork {
   std::vector<std::uint8_t> dead;  ///< one an instruction
 };
 
-/// The range of the whole program, given the range of each leaf: `leaf(instruction)` for height, domain and
-/// add. Fills work.dead: an instruction is dead when an operator's result is bit for bit its other operand.
+/// The range of the whole program, given the range of each leaf: `leaf(instruction)` for height, domain,
+/// nested and add. Fills work.dead: an instruction is dead when an operator's result is bit for bit its other
+/// operand.
 template <class LeafRange>
 Interval range_of(const Program& program, RangeWork& work, const LeafRange& leaf) {
   auto& stack = work.stack;
@@ -55,6 +71,7 @@ Interval range_of(const Program& program, RangeWork& work, const LeafRange& leaf
     switch (in.kind) {
       case Instruction::Kind::height:
       case Instruction::Kind::domain:
+      case Instruction::Kind::nested:
         stack.push_back(leaf(in));
         break;
       case Instruction::Kind::constant:
@@ -79,7 +96,7 @@ Interval range_of(const Program& program, RangeWork& work, const LeafRange& leaf
         const Interval b = stack.back();
         stack.pop_back();
         Interval& a = stack.back();
-        const Needs needs = in.op->needs(a, b);
+        const Needs needs = in.op->needs(a, b, in.value);
         if (needs == Needs::first)
           std::fill(work.dead.begin() + in.second_begin,
                     work.dead.begin() + static_cast<std::ptrdiff_t>(i) + 1, std::uint8_t{1});
@@ -87,7 +104,7 @@ Interval range_of(const Program& program, RangeWork& work, const LeafRange& leaf
           std::fill(work.dead.begin() + in.first_begin, work.dead.begin() + in.second_begin, std::uint8_t{1});
           work.dead[i] = 1;
         }
-        a = needs == Needs::first ? a : needs == Needs::second ? b : in.op->interval(a, b);
+        a = needs == Needs::first ? a : needs == Needs::second ? b : in.op->interval(a, b, in.value);
         break;
       }
     }

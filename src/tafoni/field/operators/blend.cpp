@@ -34,8 +34,9 @@ const OperatorType& operator_blend() {
       "blend",
       "Sum of the operands",
       "document 003, section 5.3",
-      [](Interval a, Interval b) { return a + b; },
-      [](Interval a, Interval b) {
+      {},
+      [](Interval a, Interval b, float) { return a + b; },
+      [](Interval a, Interval b, float) {
         return a.lo == 0 && a.hi == 0 ? Needs::second : b.lo == 0 && b.hi == 0 ? Needs::first : Needs::both;
       },
       &kernels,

@@ -34,10 +34,11 @@ const OperatorType& operator_difference() {
       "difference",
       "The first operand without the solid of the second: min(a, -b)",
       "document 003, section 5.3",
-      [](Interval a, Interval b) {
+      {},
+      [](Interval a, Interval b, float) {
         return Interval{std::min(a.lo, -b.hi), std::min(a.hi, -b.lo)};
       },
-      [](Interval a, Interval b) { return a.hi < -b.hi ? Needs::first : Needs::both; },
+      [](Interval a, Interval b, float) { return a.hi < -b.hi ? Needs::first : Needs::both; },
       &kernels,
   };
   return type;

@@ -34,10 +34,11 @@ const OperatorType& operator_intersection() {
       "intersection",
       "Solid where all operands are: the least value",
       "document 003, section 5.3",
-      [](Interval a, Interval b) {
+      {},
+      [](Interval a, Interval b, float) {
         return Interval{std::min(a.lo, b.lo), std::min(a.hi, b.hi)};
       },
-      [](Interval a, Interval b) {
+      [](Interval a, Interval b, float) {
         return a.hi < b.lo ? Needs::first : b.hi < a.lo ? Needs::second : Needs::both;
       },
       &kernels,

@@ -34,10 +34,11 @@ const OperatorType& operator_union() {
       "union",
       "Solid where any operand is: the greatest value",
       "document 003, section 5.3",
-      [](Interval a, Interval b) {
+      {},
+      [](Interval a, Interval b, float) {
         return Interval{std::max(a.lo, b.lo), std::max(a.hi, b.hi)};
       },
-      [](Interval a, Interval b) {
+      [](Interval a, Interval b, float) {
         return a.lo > b.hi ? Needs::first : b.lo > a.hi ? Needs::second : Needs::both;
       },
       &kernels,

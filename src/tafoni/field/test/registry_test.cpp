@@ -208,18 +208,38 @@ INSTANTIATE_TEST_SUITE_P(Registry, Kinds, testing::ValuesIn(all_primitives().beg
 
 class Operators : public testing::TestWithParam<const OperatorType*> {};
 
-TEST_P(Operators, IntervalsAndNeedsAreHonest) {
+TEST_P(Operators, DeclareThemselves) {
   const OperatorType& type = *GetParam();
   EXPECT_FALSE(type.doc.empty());
   EXPECT_FALSE(type.source.empty());
+  EXPECT_EQ(type.combines(), type.interval != nullptr);
+  EXPECT_EQ(type.combines(), type.needs != nullptr);
+  if (type.combines()) {
+    EXPECT_LE(type.params.size(), 1u);
+  } else {
+    EXPECT_FALSE(type.params.empty());
+    EXPECT_THROW(combine(type.name, {constant(1), constant(2)}), Error);
+  }
+  for (const ParamInfo& p : type.params) {
+    EXPECT_FALSE(p.doc.empty()) << p.name;
+    EXPECT_LT(p.min, p.max) << p.name;
+    EXPECT_NO_THROW(checked(p, p.init, type.name));
+  }
+}
+
+TEST_P(Operators, IntervalsAndNeedsAreHonest) {
+  const OperatorType& type = *GetParam();
+  if (!type.combines()) GTEST_SKIP() << "operators_test asks this of its trees";
+  const float parameter =
+      type.params.empty() ? 0.f : static_cast<float>(std::get<double>(type.params.front().init));
   Random random(1);
   for (int i = 0; i < 2000; ++i) {
     const auto range = [&] {
       const auto a = static_cast<float>(random.uniform(-5, 5)), b = static_cast<float>(random.uniform(-5, 5));
       return Interval{std::min(a, b), std::max(a, b)};
     };
-    const Interval a = range(), b = range(), r = type.interval(a, b);
-    const Needs needs = type.needs(a, b);
+    const Interval a = range(), b = range(), r = type.interval(a, b, parameter);
+    const Needs needs = type.needs(a, b, parameter);
     for (int k = 0; k < 10; ++k) {
       const auto va = static_cast<float>(random.uniform(a.lo, a.hi)),
                  vb = static_cast<float>(random.uniform(b.lo, b.hi));

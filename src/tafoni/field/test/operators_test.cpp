@@ -1,0 +1,317 @@
+// Operators that ask a tree elsewhere or take functions, alone and in one another: pruned evaluation equals
+// point evaluation bit for bit, ranges enclose, gradients match differences, analytic truths hold.
+
+#include <bit>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tafoni/core/parallel.h"
+#include "tafoni/core/random.h"
+#include "tafoni/field/compiled.h"
+#include "tafoni/field/impl/node.h"
+#include "tafoni/field/test/lattice.h"
+#include "tafoni/math/noise.h"
+
+namespace tafoni::field {
+namespace {
+
+/// Noise in [0, 1] inside a box, fading to 0 over 8 m at its border; everywhere without a box.
+class Patchy final : public Function {
+ public:
+  Patchy(Box3d box, double wavelength, std::uint64_t seed)
+      : box_(box), wavelength_(wavelength), seed_(seed) {}
+  void values(std::span<const Vec3d> points, std::span<float> out) const override {
+    std::vector<Vec3d> scaled;
+    for (const Vec3d& p : points) scaled.push_back(p * (1 / wavelength_));
+    fbm(scaled, 2, seed_, out);
+    for (std::size_t i = 0; i < points.size(); ++i) out[i] *= fade(points[i]);
+  }
+  Interval range(const Box3d& box) const override {
+    if (!box.overlaps(box_)) return {0, 0};
+    return {0, 1};
+  }
+  Box3d support() const override { return box_; }
+  double step() const override { return 0.005; }
+
+ private:
+  float fade(Vec3d p) const {
+    const double d = std::min({p.x - box_.lo.x, box_.hi.x - p.x, p.y - box_.lo.y, box_.hi.y - p.y,
+                               p.z - box_.lo.z, box_.hi.z - p.z});
+    return static_cast<float>(std::clamp(d / 8, 0.0, 1.0));
+  }
+  Box3d box_;
+  double wavelength_;
+  std::uint64_t seed_;
+};
+
+class Level final : public Function {
+ public:
+  explicit Level(float v) : value_(v) {}
+  void values(std::span<const Vec3d>, std::span<float> out) const override {
+    std::fill(out.begin(), out.end(), value_);
+  }
+  Interval range(const Box3d&) const override { return {value_, value_}; }
+
+ private:
+  float value_;
+};
+
+FunctionPtr patch(std::uint64_t seed) {
+  return std::make_shared<Patchy>(Box3d{{-50, -40, -30}, {45, 55, 25}}, 17, seed);
+}
+FunctionPtr rock(std::uint64_t seed) {
+  return std::make_shared<Patchy>(Box3d::everything(), 6, seed);
+}
+FunctionPtr level(float v) {
+  return std::make_shared<Level>(v);
+}
+
+NodePtr spots(int count, double extent, std::uint64_t seed, double energy = -7) {
+  CloudBuilder cloud({"point", 15, {}});
+  Random random(seed);
+  for (int i = 0; i < count; ++i)
+    add_point(cloud,
+              {random.uniform(-extent, extent), random.uniform(-extent, extent), random.uniform(-15, 15)},
+              random.uniform(2, 7), random.uniform(-std::fabs(energy), energy + 9));
+  return cloud.finish();
+}
+
+NodePtr land(int count = 200, std::uint64_t seed = 1) {
+  return combine("blend", {terrain(), spots(count, 70, seed)});
+}
+
+const WarpSettings folds{{3, 2, 1.5}, 19, 11, 3, 5};
+
+struct Case {
+  std::string name;
+  NodePtr tree;
+};
+
+/// Every operator over the same land, alone and nested in each other.
+std::vector<Case> cases() {
+  std::vector<Case> out;
+  const auto add = [&](std::string name, NodePtr tree) { out.push_back({std::move(name), std::move(tree)}); };
+  const NodePtr ground = land();
+  const NodePtr ball = combine("blend", {constant(-7.5f), spots(12, 20, 9, 12)});
+  const NodePtr eroded = erode(ground, patch(1), rock(2), 4);
+  const NodePtr warped = warp(ground, patch(3), folds);
+  add("erode", eroded);
+  add("erode_everywhere", erode(ground, nullptr, rock(2), 3));
+  add("warp", warped);
+  add("warp_everywhere", warp(ground, nullptr, folds));
+  add("warp_of_a_warp", warp(warp(ground, patch(4), folds), nullptr, {{1, 1, 1}, 7, 9, 2, 8}));
+  add("erode_a_warp", erode(warped, patch(5), rock(6), 4));
+  add("warp_an_erosion", warp(eroded, patch(7), folds));
+  add("union_of_warps", combine("union", {warped, warp(ball, nullptr, folds)}));
+  add("transform", transform(ground, {{5, -7, 2}, 0.7, 0, 1.2}));
+  add("transform_tilted", combine("union", {ground, transform(ball, {{10, 6, 4}, 0.7, 0.9, 0.8})}));
+  add("transform_a_warp", transform(warped, {{3, 4, 1}, -2, 0.05, 0.9}));
+  add("morph", morph(ground, transform(eroded, {{9, 0, 0}, 1, 0, 1}), 0.3));
+  add("controls_of_primitives", erode(warp(ground, as_function(spots(30, 50, 3, 3)), folds),
+                                      as_function(spots(30, 50, 4, 3)), rock(1), 4));
+  return out;
+}
+
+class Trees : public testing::TestWithParam<Case> {};
+
+TEST_P(Trees, PruneExactly) {
+  const CompiledField field = compile(GetParam().tree);
+  EXPECT_GT(Lattice(field, 0.83).check(-1, 0, 0, 0), 10000u);
+}
+
+TEST_P(Trees, RangesEncloseValues) {
+  const CompiledField field = compile(GetParam().tree);
+  Random random(6);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3d c{random.uniform(-90, 90), random.uniform(-90, 90), random.uniform(-60, 30)};
+    const Box3d box = Box3d{c, c}.grown(random.uniform(0.1, 15));
+    const Interval range = field.interval(box);
+    for (int k = 0; k < 40; ++k) {
+      const float v = field.value({random.uniform(box.lo.x, box.hi.x), random.uniform(box.lo.y, box.hi.y),
+                                   random.uniform(box.lo.z, box.hi.z)});
+      EXPECT_GE(v, range.lo);
+      EXPECT_LE(v, range.hi);
+    }
+  }
+}
+
+TEST_P(Trees, GradientsMatchDifferences) {
+  const CompiledField field = compile(GetParam().tree);
+  Random random(5);
+  std::vector<Vec3d> points;
+  for (int i = 0; i < 300; ++i)
+    points.push_back({random.uniform(-60, 60), random.uniform(-60, 60), random.uniform(-12, 12)});
+  std::vector<float> values(points.size());
+  std::vector<Vec3f> gradients(points.size());
+  field.gradients(points, values, gradients);
+  int rough = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(values[i], field.value(points[i]));
+    const double h = 0.01;
+    const Vec3d p = points[i];
+    const auto slope = [&](Vec3d d) { return (field.value(p + d * h) - field.value(p - d * h)) / (2 * h); };
+    const Vec3d d{slope({1, 0, 0}), slope({0, 1, 0}), slope({0, 0, 1})};
+    rough += length(d - to_double(gradients[i])) > 0.02 * (1 + length(d));
+  }
+  EXPECT_LE(rough, 12) << "more than kinks can explain";
+}
+
+TEST_P(Trees, ManyPointsEqualOneByOneAtAnyThreadCount) {
+  const CompiledField field = compile(GetParam().tree);
+  Random random(8);
+  std::vector<Vec3d> points;
+  for (int i = 0; i < 5000; ++i)
+    points.push_back({random.uniform(-60, 60), random.uniform(-60, 60), random.uniform(-15, 15)});
+  std::vector<float> one(points.size()), two(points.size());
+  set_thread_count(1);
+  field.values(points, one);
+  set_thread_count(2);
+  field.values(points, two);
+  set_thread_count(0);
+  EXPECT_EQ(one, two);
+  for (std::size_t i = 0; i < 300; ++i) EXPECT_EQ(field.value(points[i]), one[i]);
+}
+
+TEST_P(Trees, BoundsHoldTheSurface) {
+  const CompiledField field = compile(GetParam().tree);
+  const Box3d bounds = field.bounds();
+  Random random(2);
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3d p{random.uniform(-95, 95), random.uniform(-95, 95), random.uniform(-100, 100)};
+    if (p.z > bounds.hi.z) {
+      EXPECT_LT(field.value(p), 0);
+    }
+  }
+}
+
+std::string case_name(const testing::TestParamInfo<Case>& info) {
+  return info.param.name;
+}
+INSTANTIATE_TEST_SUITE_P(Operators, Trees, testing::ValuesIn(cases()), case_name);
+
+std::vector<Vec3d> some_points(int count, double extent, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Vec3d> points;
+  for (int i = 0; i < count; ++i)
+    points.push_back(
+        {random.uniform(-extent, extent), random.uniform(-extent, extent), random.uniform(-20, 20)});
+  return points;
+}
+
+TEST(Erode, TakesDepthTimesControlTimesSoftnessOff) {
+  const CompiledField bare = compile(land()), eroded = compile(erode(land(), level(0.5f), level(0.25f), 4));
+  for (const Vec3d& p : some_points(500, 90, 1)) EXPECT_NEAR(eroded.value(p), bare.value(p) - 1.5, 1e-5);
+}
+
+TEST(Erode, LeavesHardRockAndWhatIsOutOfReachBitForBit) {
+  const CompiledField bare = compile(land()), hard = compile(erode(land(), nullptr, level(1), 4)),
+                      eroded = compile(erode(land(), patch(1), rock(2), 4));
+  for (const Vec3d& p : some_points(2000, 95, 2)) {
+    EXPECT_EQ(hard.value(p), bare.value(p));
+    if (p.x > 45 || p.y < -40) {
+      EXPECT_EQ(eroded.value(p), bare.value(p));
+    }
+  }
+}
+
+TEST(Erode, DeepRockStaysSolidAndIsPruned) {
+  const CompiledField eroded = compile(erode(terrain(15, 7.5, true, true, false), nullptr, level(0), 5));
+  EXPECT_GT(eroded.interval({{-20, -20, -90}, {20, 20, -70}}).lo, 0);
+  EXPECT_GT(eroded.value({0, 0, -45}), 0);
+}
+
+TEST(Warp, OfNoAmplitudeAndOfNoControlChangesNothing) {
+  const CompiledField bare = compile(land()), still = compile(warp(land(), level(0), folds)),
+                      partly = compile(warp(land(), patch(3), folds));
+  EXPECT_EQ(warp(land(), nullptr, {{0, 0, 0}, 20, 20, 3, 1})->depth, 0);
+  int moved = 0;
+  for (const Vec3d& p : some_points(2000, 95, 3)) {
+    EXPECT_EQ(still.value(p), bare.value(p));
+    if (p.x > 45 || p.y < -40) {
+      EXPECT_EQ(partly.value(p), bare.value(p));
+    } else {
+      moved += partly.value(p) != bare.value(p);
+    }
+  }
+  EXPECT_GT(moved, 200);
+}
+
+TEST(Warp, MovesTheSurfaceByUpToItsAmplitudeAndFarFromTheOriginToo) {
+  auto flat = std::make_shared<raster::Raster>();
+  flat->values = raster::Grid<float>(8, 8, 0.f);
+  flat->placement = {100000, 100040, 5, 5};
+  const NodePtr plain = heightfield(flat, TerrainSettings{15, 7.5, true, false});
+  const CompiledField field = compile(warp(plain, nullptr, {{0, 0, 3}, 25, 25, 2, 4}));
+  double least = 9, most = -9, before = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3d p{100000 + i * 0.02, 100020, 0};
+    const double z = field.value(p);  // sigma(x) is close to x: -(0 + delta)
+    least = std::min(least, z), most = std::max(most, z);
+    if (i > 0) {
+      EXPECT_LT(std::fabs(z - before), 0.05) << "jitter at " << p.x;
+    }
+    before = z;
+  }
+  EXPECT_GT(most - least, 0.5);
+  EXPECT_LT(std::max(most, -least), 3.2);
+}
+
+TEST(Warp, DeepChainsWorkAndBottomlessOnesAreRefused) {
+  NodePtr node = land(30);
+  for (int i = 0; i < 40; ++i)
+    node = warp(node, nullptr, {{0.1, 0.1, 0.1}, 20, 20, 1, static_cast<std::uint64_t>(i)});
+  const CompiledField field = compile(node), bare = compile(land(30));
+  double sum = 0;
+  for (const Vec3d& p : some_points(50, 60, 4)) sum += std::fabs(field.value(p) - bare.value(p));
+  EXPECT_LT(sum / 50, 2);
+  EXPECT_THROW(
+      {
+        for (int i = 0; i < 40; ++i) node = warp(node, nullptr, folds);
+      },
+      Error);
+}
+
+TEST(Transform, AgreesWithTheTreeAtItsOwnPositions) {
+  const Placement at{{5, -7, 2}, 0.7, 0.4, 1.6};
+  const CompiledField bare = compile(land()), placed = compile(transform(land(), at));
+  const auto rotate = [](Vec3d p, double turn, double tilt) {
+    const Vec3d q{std::cos(tilt) * p.x + std::sin(tilt) * p.z, p.y,
+                  -std::sin(tilt) * p.x + std::cos(tilt) * p.z};
+    return Vec3d{std::cos(turn) * q.x - std::sin(turn) * q.y, std::sin(turn) * q.x + std::cos(turn) * q.y,
+                 q.z};
+  };
+  for (const Vec3d& own : some_points(500, 60, 5)) {
+    const Vec3d p = at.position + rotate(own, at.turn, at.tilt) * at.scale;
+    EXPECT_NEAR(placed.value(p), at.scale * bare.value(own), 1e-4);
+  }
+  EXPECT_THROW(transform(land(), {{0, 0, 0}, 0, 0, 0}), Error);
+}
+
+TEST(Support, IsExactlyWhereATreeVanishes) {
+  const NodePtr cloud = spots(20, 10, 1);
+  EXPECT_FALSE(support(land()).bounded());
+  EXPECT_TRUE(support(constant(0)).empty());
+  EXPECT_FALSE(support(constant(1)).bounded());
+  for (const NodePtr& tree :
+       {cloud, warp(cloud, nullptr, folds), transform(cloud, {{40, 3, 1}, 1, 0.6, 2}),
+        combine("union", {cloud, transform(cloud, {{9, 9, 9}, 0, 0, 1})}), function(patch(1)),
+        erode(cloud, patch(1), rock(1), 2), morph(cloud, function(patch(2)), 0.4)}) {
+    const Box3d box = support(tree);
+    ASSERT_TRUE(box.bounded());
+    const CompiledField field = compile(tree);
+    int inside = 0;
+    for (const Vec3d& p : some_points(4000, 110, 7)) {
+      if (box.contains(p))
+        inside += field.value(p) != 0;
+      else
+        EXPECT_EQ(field.value(p), 0.f);
+    }
+    EXPECT_GT(inside, 5);
+  }
+}
+
+}  // namespace
+}  // namespace tafoni::field
