@@ -42,6 +42,14 @@ Topic sections() {
   out.entries.push_back({"[scene]", "What holds for the whole scene", {}, {}, scene::scene_params(), {}});
   out.entries.push_back(
       {"[terrain]", "The elevation model and its field", {}, {}, scene::terrain_params(), {}});
+  out.entries.push_back(
+      {"[[geology]]",
+       "What every geology can say besides its type and the type's own parameters; several are blended, and "
+       "[[geology.of]] nests one in another",
+       {},
+       {},
+       scene::geology_params(),
+       {}});
   out.entries.push_back({"[[layer]]",
                          "What every layer can say besides its type and the type's own parameters",
                          {},

@@ -22,8 +22,9 @@ scene::Document document_of(const Amplify& a) {
          a.dem);
   scene::Document document = open_document(a.dem);
   for (const std::string& type : a.geology) {
-    geology::find_geology(type);
     document.geology.push_back({type, {}, 0});
+    // What changes other rock changes the default one.
+    document.geology.back().of.resize(geology::find_geology(type).min_children, {"strata", {}, 0});
   }
   for (const std::string& type : a.layers) {
     scene::params_of_layer(type);
@@ -44,7 +45,8 @@ std::function<int(Console&)> setup(Args& args) {
   args.texts("-l,--layer", "LANDFORM", a->layers, "Landform to add, in this order; may be repeated");
   args.text("--region", "FILE", a->region, "Polygon file (GeoJSON …): the layers act inside");
   args.text("--points", "CSV", a->points, "Seed points x,y,z in the elevation model's CRS");
-  args.texts("--geology", "KIND", a->geology, "Kind of rock; several are blended; default: strata");
+  args.texts("--geology", "KIND", a->geology,
+             "Kind of rock; several are blended, those that change rock change strata; default: strata");
   a->scene.declare(args);
   a->outputs.declare(args);
   return [a](Console& console) {

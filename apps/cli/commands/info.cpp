@@ -72,16 +72,23 @@ Json values_json(const Values& values) {
   return out;
 }
 
+Json geology_json(const std::vector<scene::GeologySettings>& list) {
+  Json out = Json::array();
+  for (const scene::GeologySettings& g : list) {
+    out.push_back({{"type", g.type}});
+    out.back().update(settings_json(scene::geology_params(), &g));
+    out.back().update(values_json(g.values));
+    if (!g.of.empty()) out.back()["of"] = geology_json(g.of);
+  }
+  return out;
+}
+
 Json scene_json(const scene::Document& d) {
   Json out;
   out["scene"] = settings_json(scene::scene_params(), &d.scene);
   out["terrain"] = settings_json(scene::terrain_params(), &d.terrain);
   out["terrain"].update(values_json(d.terrain.values));
-  out["geology"] = Json::array();
-  for (const auto& g : d.geology) {
-    out["geology"].push_back({{"type", g.type}});
-    out["geology"].back().update(values_json(g.values));
-  }
+  out["geology"] = geology_json(d.geology);
   out["layers"] = Json::array();
   for (const auto& l : d.layers) {
     out["layers"].push_back({{"type", l.type}});
@@ -98,6 +105,15 @@ std::string listed(const Values& values) {
   return out.empty() ? "defaults" : out;
 }
 
+std::string geology_text(const std::vector<scene::GeologySettings>& list, const std::string& indent) {
+  std::string out;
+  for (const scene::GeologySettings& g : list)
+    out += fmt::format("{:<12} {}{}{}: {}\n", indent.empty() ? "geology" : "", indent, g.type,
+                       g.name.empty() ? "" : " \"" + g.name + "\"", listed(g.values)) +
+           geology_text(g.of, indent + "  ");
+  return out;
+}
+
 std::string scene_text(const scene::Document& d) {
   std::string out =
       fmt::format("scene        seed {}, voxel {}, boundary {}\n", d.scene.seed,
@@ -108,7 +124,7 @@ std::string scene_text(const scene::Document& d) {
                          ? ""
                          : fmt::format(", generator {} ({})", d.terrain.generator, listed(d.terrain.values)));
   if (d.geology.empty()) out += "geology      default\n";
-  for (const auto& g : d.geology) out += fmt::format("geology      {}: {}\n", g.type, listed(g.values));
+  out += geology_text(d.geology, "");
   for (const auto& l : d.layers) {
     out += fmt::format("layer        {}{}{}: {}\n", l.type,
                        l.settings.name.empty() ? "" : " \"" + l.settings.name + "\"",

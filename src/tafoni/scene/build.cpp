@@ -57,12 +57,21 @@ raster::Raster read_terrain(const Document& document, Progress& progress) {
   return io::read_dem(document.resolved(t.source), options, progress).raster;
 }
 
+/// The geologies of a list, each with a seed of its place.
+std::vector<geology::GeologyPtr> make_geologies(const std::vector<GeologySettings>& list, Vec3d origin,
+                                                std::uint64_t seed) {
+  std::vector<geology::GeologyPtr> out;
+  for (const GeologySettings& g : list) {
+    const auto own = g.seed >= 0 ? static_cast<std::uint64_t>(g.seed) : hash_combine(seed, out.size());
+    out.push_back(geology::make_geology(g.type, g.values, make_geologies(g.of, origin, own), origin, own));
+  }
+  return out;
+}
+
 geology::GeologyPtr make_geology(const Document& document, Vec3d origin) {
   const auto seed = static_cast<std::uint64_t>(document.scene.seed);
   if (document.geology.empty()) return geology::default_geology(origin, seed);
-  std::vector<geology::GeologyPtr> parts;
-  for (const GeologySettings& g : document.geology)
-    parts.push_back(geology::make_geology(g.type, g.values, {}, origin, hash_combine(seed, parts.size())));
+  auto parts = make_geologies(document.geology, origin, seed);
   if (parts.size() == 1) return parts.front();
   return geology::make_geology("blend", {}, std::move(parts), origin, seed);
 }

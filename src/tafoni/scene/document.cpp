@@ -55,6 +55,16 @@ const std::vector<ParamInfo>& terrain_params() {
   return params;
 }
 
+const std::vector<ParamInfo>& geology_params() {
+  using S = GeologySettings;
+  static const std::vector<ParamInfo> params =
+      ParamTable<S>()
+          .text("name", &S::name, "What --set calls it")
+          .integer("seed", &S::seed, "", -1, std::int64_t{1} << 53,
+                   "Its own seed; -1 makes it from the scene's seed and the place in the tree");
+  return params;
+}
+
 const std::vector<ParamInfo>& layer_params() {
   using S = LayerSettings;
   static const std::vector<ParamInfo> params =
@@ -85,12 +95,14 @@ bool same_settings(const std::vector<ParamInfo>& infos, const void* a, const voi
                      [&](const ParamInfo& info) { return info.load(info, a) == info.load(info, b); });
 }
 
+bool same_geology(const GeologySettings& a, const GeologySettings& b) {
+  return a.type == b.type && a.values == b.values && same_settings(geology_params(), &a, &b) &&
+         std::equal(a.of.begin(), a.of.end(), b.of.begin(), b.of.end(), same_geology);
+}
+
 }  // namespace
 
 bool same(const Document& a, const Document& b) {
-  const auto same_geology = [](const GeologySettings& p, const GeologySettings& q) {
-    return p.type == q.type && p.values == q.values;
-  };
   const auto same_layer = [](const Layer& p, const Layer& q) {
     return p.type == q.type && p.values == q.values &&
            same_settings(layer_params(), &p.settings, &q.settings);
@@ -143,6 +155,27 @@ void set_value(const std::vector<ParamInfo>& common, void* object, const std::ve
   impl::store(common, object, values, info, parsed(info, text, where));
 }
 
+bool matches(const std::string& type, const std::string& name, std::string_view target,
+             std::vector<std::string>& known) {
+  known.push_back(name.empty() ? type : name);
+  return type == target || name == target;
+}
+
+/// Calls set(geology) for all that match, nested or not; says whether there was one.
+template <class Set>
+bool each_match(std::vector<GeologySettings>& list, std::string_view target, std::vector<std::string>& known,
+                const Set& set) {
+  bool found = false;
+  for (GeologySettings& geology : list) {
+    if (matches(geology.type, geology.name, target, known)) {
+      set(geology);
+      found = true;
+    }
+    found |= each_match(geology.of, target, known, set);
+  }
+  return found;
+}
+
 }  // namespace
 
 void set(Document& document, std::string_view assignment) {
@@ -165,17 +198,12 @@ void set(Document& document, std::string_view assignment) {
                      t.generator.empty() ? none : impl::params_of_generator(t.generator), t.values, name,
                      text, where);
   }
-  bool found = false;
   std::vector<std::string> known = {"scene", "terrain"};
-  for (GeologySettings& geology : document.geology) {
-    known.push_back(geology.type);
-    if (geology.type != target) continue;
-    set_value(none, nullptr, impl::params_of_geology(geology.type), geology.values, name, text, where);
-    found = true;
-  }
+  bool found = each_match(document.geology, target, known, [&](GeologySettings& g) {
+    set_value(geology_params(), &g, impl::params_of_geology(g.type), g.values, name, text, where);
+  });
   for (Layer& layer : document.layers) {
-    known.push_back(layer.settings.name.empty() ? layer.type : layer.settings.name);
-    if (layer.type != target && layer.settings.name != target) continue;
+    if (!matches(layer.type, layer.settings.name, target, known)) continue;
     set_value(layer_params(), &layer.settings, params_of_layer(layer.type), layer.values, name, text, where);
     found = true;
   }

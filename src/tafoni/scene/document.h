@@ -42,12 +42,18 @@ struct TerrainSettings {
 };
 const std::vector<ParamInfo>& terrain_params();
 
-/// One [[geology]]; several are blended.
+/// One [[geology]]; several are blended. What it folds, faults or blends is nested: [[geology.of]],
+/// [[geology.of.of]] and so on.
 struct GeologySettings {
   std::string type;
   Values values;
   int line = 0;  ///< of its header in Document::text; 0: not from there
+  std::string name = {};
+  std::int64_t seed = -1;  ///< -1: made from the scene's seed and the place in the tree
+  std::vector<GeologySettings> of = {};
 };
+/// What every geology can say besides its own kind's parameters.
+const std::vector<ParamInfo>& geology_params();
 
 /// What every [[layer]] can say besides its own type's parameters.
 struct LayerSettings {
@@ -97,8 +103,8 @@ std::string to_text(const Document& document);
 /// Writes it, with paths relative to the new file, beside it and renamed. Throws Error{output}.
 void save_scene(const Document& document, const std::filesystem::path& file);
 
-/// `--set TARGET.NAME=TEXT`: the target is scene, terrain, a geology type, a layer's name or a layer type;
-/// all that match are set. Throws Error{usage}.
+/// `--set TARGET.NAME=TEXT`: the target is scene, terrain, or the name or type of a layer or of a geology,
+/// nested or not; all that match are set. Throws Error{usage}.
 void set(Document& document, std::string_view assignment);
 
 /// Checks what no single key can say: R <= 3T, source or generator, low < high. Throws Error{input}

@@ -5,6 +5,7 @@
 #include <toml++/toml.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/geology/kind.h"
 #include "tafoni/scene/document.h"
 #include "tafoni/scene/impl/types.h"
 
@@ -78,12 +79,12 @@ class Reader {
          owner, near.empty() ? "known are " + list : fmt::format("did you mean \"{}\"?", near));
   }
 
-  /// Reads every key of `table` but "type" where `typed`.
-  void block(const toml::table& table, const std::string& owner, bool typed,
+  /// Reads every key of `table` but those of `others`.
+  void block(const toml::table& table, const std::string& owner, const std::vector<std::string>& others,
              const std::vector<ParamInfo>& common, void* object, const std::vector<ParamInfo>& own,
              Values& values) const {
     for (auto&& [key, node] : table) {
-      if (typed && key.str() == "type") continue;
+      if (std::find(others.begin(), others.end(), key.str()) != others.end()) continue;
       const auto find = [&, k = key.str()](const std::vector<ParamInfo>& infos) -> const ParamInfo* {
         for (const ParamInfo& info : infos)
           if (info.name == k) return &info;
@@ -92,7 +93,7 @@ class Reader {
       const ParamInfo* info = find(common);
       if (!info) info = find(own);
       if (!info) {
-        std::vector<std::string> known;
+        std::vector<std::string> known = others;
         for (const ParamInfo& i : common) known.push_back(i.name);
         for (const ParamInfo& i : own) known.push_back(i.name);
         unknown(key, owner, known);
@@ -143,10 +144,11 @@ class Reader {
     return text->get();
   }
 
-  /// The tables of [[name]].
-  std::vector<const toml::table*> blocks(const toml::table& root, std::string_view name) const {
+  /// The tables of [[name]]; `key` is its last word.
+  std::vector<const toml::table*> blocks(const toml::table& root, std::string_view name,
+                                         std::string_view key) const {
     std::vector<const toml::table*> out;
-    const toml::node* node = root.get(name);
+    const toml::node* node = root.get(key);
     if (!node) return out;
     const auto* array = node->as_array();
     const bool tables = array && std::all_of(array->begin(), array->end(),
@@ -203,7 +205,7 @@ void read_terrain(const Reader& reader, const toml::table& table, TerrainSetting
       }
     }
   }
-  reader.block(table, "[terrain]", false, terrain_params(), &terrain, *own, terrain.values);
+  reader.block(table, "[terrain]", {}, terrain_params(), &terrain, *own, terrain.values);
 }
 
 void read_layer(const Reader& reader, const toml::table& table, Document& document) {
@@ -211,20 +213,34 @@ void read_layer(const Reader& reader, const toml::table& table, Document& docume
   layer.line = static_cast<int>(table.source().begin.line);
   layer.type = reader.type(table, "layer", "karst");
   const auto& own = reader.of_type(table, [&]() -> decltype(auto) { return params_of_layer(layer.type); });
-  reader.block(table, fmt::format("layer \"{}\"", layer.type), true, layer_params(), &layer.settings, own,
+  reader.block(table, fmt::format("layer \"{}\"", layer.type), {"type"}, layer_params(), &layer.settings, own,
                layer.values);
   document.layers.push_back(std::move(layer));
 }
 
-void read_geology(const Reader& reader, const toml::table& table, Document& document) {
-  static const std::vector<ParamInfo> none;
-  GeologySettings geology;
-  geology.line = static_cast<int>(table.source().begin.line);
-  geology.type = reader.type(table, "geology", "strata");
+/// `path` is what its header names: "geology", "geology.of" and so on.
+GeologySettings read_geology(const Reader& reader, const toml::table& table, const std::string& path,
+                             int depth) {
+  constexpr int deepest = 32;
+  GeologySettings out;
+  out.line = static_cast<int>(table.source().begin.line);
+  out.type = reader.type(table, path, "strata");
   const auto& own =
-      reader.of_type(table, [&]() -> decltype(auto) { return impl::params_of_geology(geology.type); });
-  reader.block(table, fmt::format("geology \"{}\"", geology.type), true, none, nullptr, own, geology.values);
-  document.geology.push_back(std::move(geology));
+      reader.of_type(table, [&]() -> decltype(auto) { return impl::params_of_geology(out.type); });
+  reader.block(table, fmt::format("geology \"{}\"", out.type), {"type", "of"}, geology_params(), &out, own,
+               out.values);
+  const std::string nested = path + ".of";
+  const auto children = reader.blocks(table, nested, "of");
+  reader.of_type(table, [&] {
+    if (depth == deepest && !children.empty())
+      fail(ErrorKind::input, "geology is nested more than {} deep", deepest);
+    // What is wrong with its values or the number of its children is known before these are read.
+    const std::vector<geology::GeologyPtr> any(children.size(),
+                                               geology::make_geology("turbulence", {}, {}, {}, 0));
+    geology::make_geology(out.type, out.values, any, {}, 0);
+  });
+  for (const auto* child : children) out.of.push_back(read_geology(reader, *child, nested, depth + 1));
+  return out;
 }
 
 }  // namespace
@@ -249,11 +265,12 @@ Document parse_scene(std::string_view text, const std::filesystem::path& file) {
   document.text = text;
   Values no_values;
   if (const auto* table = reader.section(root, "scene"))
-    reader.block(*table, "[scene]", false, scene_params(), &document.scene, none, no_values);
+    reader.block(*table, "[scene]", {}, scene_params(), &document.scene, none, no_values);
   if (const auto* table = reader.section(root, "terrain"))
     read_terrain(reader, *table, document.terrain, file);
-  for (const auto* table : reader.blocks(root, "geology")) read_geology(reader, *table, document);
-  for (const auto* table : reader.blocks(root, "layer")) read_layer(reader, *table, document);
+  for (const auto* table : reader.blocks(root, "geology", "geology"))
+    document.geology.push_back(read_geology(reader, *table, "geology", 1));
+  for (const auto* table : reader.blocks(root, "layer", "layer")) read_layer(reader, *table, document);
   check(document, file.string());
   return document;
 }

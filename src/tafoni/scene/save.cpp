@@ -35,11 +35,14 @@ View view(const TerrainSettings& terrain) {
   if (!terrain.generator.empty()) own = impl::params_of_generator(terrain.generator);
   return {"[terrain]", {}, terrain_params(), std::move(own), &terrain, &terrain.values, 0};
 }
-View view(const GeologySettings& g) {
-  return {"[[geology]]", g.type, {}, impl::params_of_geology(g.type), nullptr, &g.values, g.line};
+/// `path` is what the header names, as "geology.of".
+View view(const GeologySettings& g, const std::string& path) {
+  return {"[[" + path + "]]", g.type, geology_params(), impl::params_of_geology(g.type), &g,
+          &g.values,          g.line};
 }
-View view(const Layer& l) {
-  return {"[[layer]]", l.type, layer_params(), params_of_layer(l.type), &l.settings, &l.values, l.line};
+View view(const Layer& l, const std::string& path) {
+  return {"[[" + path + "]]", l.type,    layer_params(), params_of_layer(l.type),
+          &l.settings,        &l.values, l.line};
 }
 
 /// The cells of a row that differ from the defaults.
@@ -73,17 +76,27 @@ std::string fresh(const View& v) {
   return out;
 }
 
+std::string fresh(const Layer& layer, const std::string& path) {
+  return fresh(view(layer, path));
+}
+
+std::string fresh(const GeologySettings& geology, const std::string& path) {
+  std::string out = fresh(view(geology, path));
+  for (const GeologySettings& child : geology.of) out += "\n" + fresh(child, path + ".of");
+  return out;
+}
+
 template <class T>
-void append_blocks(std::string& out, const std::vector<T>& items) {
-  for (const T& item : items) out += "\n" + fresh(view(item));
+void append_blocks(std::string& out, const std::vector<T>& items, const std::string& path) {
+  for (const T& item : items) out += "\n" + fresh(item, path);
 }
 
 std::string fresh(const Document& document) {
   std::string out = fresh(view(document.scene));
   out = std::count(out.begin(), out.end(), '\n') > 1 ? out + "\n" : "";
   out += fresh(view(document.terrain));
-  append_blocks(out, document.geology);
-  append_blocks(out, document.layers);
+  append_blocks(out, document.geology, "geology");
+  append_blocks(out, document.layers, "layer");
   return out;
 }
 
@@ -148,23 +161,35 @@ void edit(std::vector<impl::Block>& parts, const ParamInfo& info, const Value& b
   if (rows.empty()) impl::edit(parts.front(), info.name, text_of(info, now));
 }
 
-std::string edited(const impl::Block& block, const View& before, const View& now) {
+/// The parts of a block, edited where a value changed.
+std::vector<impl::Block> edited_parts(const impl::Block& block, const View& before, const View& now) {
   std::vector<impl::Block> parts = impl::parts(block);
   for (const ParamInfo& info : now.infos())
     if (const Value old = before.value(info), value = now.value(info); old != value)
       edit(parts, info, old, value);
-  std::string out = parts.front().text;
-  for (std::size_t i = 1; i < parts.size(); ++i) join(out, parts[i].text);
+  return parts;
+}
+
+std::string edited(const impl::Block& block, const View& before, const View& now) {
+  std::string out;
+  for (const impl::Block& part : edited_parts(block, before, now)) join(out, part.text);
   return out;
 }
 
-/// The blocks [[name]] of a text, refilled in order with `now`: the ones that were read are edited where
+std::string edited(const impl::Block& block, const Layer& before, const Layer& now) {
+  return edited(block, view(before, block.name), view(now, block.name));
+}
+
+std::string edited(const impl::Block& block, const GeologySettings& before, const GeologySettings& now);
+
+/// The blocks [[path]] of a text, refilled in order with `now`: the ones that were read are edited where
 /// they changed.
 template <class T>
 class Refill {
  public:
-  Refill(const std::vector<T>& before, const std::vector<T>& now, const std::vector<impl::Block>& blocks)
-      : before_(before), now_(now), blocks_(blocks) {}
+  Refill(const std::vector<T>& before, const std::vector<T>& now, const std::vector<impl::Block>& blocks,
+         std::string path)
+      : before_(before), now_(now), blocks_(blocks), path_(std::move(path)) {}
 
   void one(std::string& out) {
     if (next_ < now_.size()) join(out, text(now_[next_++]));
@@ -178,15 +203,26 @@ class Refill {
     const auto same_line = [&](const auto& other) { return item.line > 0 && other.line == item.line; };
     const auto old = std::find_if(before_.begin(), before_.end(), same_line);
     const auto block = std::find_if(blocks_.begin(), blocks_.end(), same_line);
-    if (old == before_.end() || block == blocks_.end() || old->type != item.type) return fresh(view(item));
-    return edited(*block, view(*old), view(item));
+    if (old == before_.end() || block == blocks_.end() || old->type != item.type) return fresh(item, path_);
+    return edited(*block, *old, item);
   }
 
   const std::vector<T>& before_;
   const std::vector<T>& now_;
   const std::vector<impl::Block>& blocks_;
+  std::string path_;
   std::size_t next_ = 0;
 };
+
+std::string edited(const impl::Block& block, const GeologySettings& before, const GeologySettings& now) {
+  const std::string nested = block.name + ".of";
+  const auto parts = edited_parts(block, view(before, block.name), view(now, block.name));
+  std::string out;
+  for (const impl::Block& part : parts)
+    if (part.name != nested) join(out, part.text);
+  Refill(before.of, now.of, parts, nested).rest(out);
+  return out;
+}
 
 std::string edited(const Document& before, const Document& now) {
   const auto blocks = impl::blocks(now.text);
@@ -194,8 +230,8 @@ std::string edited(const Document& before, const Document& now) {
     return std::count_if(blocks.begin(), blocks.end(), [&](const auto& b) { return b.name == name; });
   };
   auto layers_left = count("layer"), geology_left = count("geology");
-  Refill geology(before.geology, now.geology, blocks);
-  Refill layers(before.layers, now.layers, blocks);
+  Refill geology(before.geology, now.geology, blocks, "geology");
+  Refill layers(before.layers, now.layers, blocks, "layer");
   std::string out;
   const auto section = [&](const auto& settings) {
     const std::string text = fresh(view(settings));

@@ -83,6 +83,12 @@ TEST(ParseScene, NoParameterOfALayerHidesACommonOne) {
     }
 }
 
+TEST(ParseScene, NoParameterOfAGeologyHidesACommonOne) {
+  for (const auto* kind : geology::all_geologies())
+    for (const ParamInfo& own : kind->params)
+      for (const char* common : {"type", "of", "name", "seed"}) EXPECT_NE(own.name, common) << kind->name;
+}
+
 struct Wrong {
   std::string_view text, says;
 };
@@ -129,6 +135,24 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[[geology]]\ntype = \"stratta\"", "dir/s.toml:2: "},
         Wrong{"[[geology]]\ntype = \"strata\"\nthicknes = 3",
               "dir/s.toml:3: unknown key \"thicknes\" in geology \"strata\"; did you mean \"thickness\"?"},
+        Wrong{"[[geology]]\ntype = \"fold\"", "dir/s.toml:2: fold: takes 1 child, but has none"},
+        Wrong{"[[geology]]\ntype = \"fold\"\n[[geology.of]]\ntype = \"strata\"\n[[geology.of.of]]\ntype = "
+              "\"planes\"",
+              "dir/s.toml:4: strata: takes no children, but has 1"},
+        Wrong{"[[geology]]\ntype = \"fault\"\ndomain = \"field\"\n[[geology.of]]\ntype = \"strata\"",
+              "dir/s.toml:2: fault: with domain = \"field\" it takes 2 children, but has 1"},
+        Wrong{"[[geology]]\ntype = \"fold\"\n[[geology.of]]\ntype = \"starta\"",
+              "dir/s.toml:4: unknown geology \"starta\"; did you mean \"strata\"?"},
+        Wrong{"[[geology]]\ntype = \"fold\"\n[[geology.of]]\nthickness = 3",
+              "dir/s.toml:3: [[geology.of]] has no type; add, for example, type = \"strata\""},
+        Wrong{"[[geology]]\ntype = \"fold\"\n[[geology.off]]\ntype = \"strata\"",
+              "dir/s.toml:3: unknown key \"off\" in geology \"fold\"; did you mean \"of\"?"},
+        Wrong{"[[geology]]\ntype = \"fold\"\n[geology.of]\ntype = \"strata\"",
+              "dir/s.toml:3: geology.of must be written [[geology.of]], once for each"},
+        Wrong{"[[geology]]\ntype = \"sphere\"\nposition = [1, 2]",
+              "dir/s.toml:2: sphere: position has 2 numbers"},
+        Wrong{"[[geology]]\ntype = \"fold\"\n[[geology.of]]\ntype = \"planes\"\ndip = 91",
+              "dir/s.toml:5: dip = 91 is outside 0 to 90 deg"},
         Wrong{"[terrain]\nsource = \"a\"\ngenerator = \"coast\"", "has both a source and a generator"},
         Wrong{"[terrain]\ngenerator = \"coats\"", "dir/s.toml:2: "},
         Wrong{
@@ -222,6 +246,107 @@ TEST(ToText, UnusualLayoutsStillReadBack) {
     d.layers.insert(d.layers.begin(), layer);
     EXPECT_TRUE(same(parse_scene(to_text(d), "s.toml"), d)) << to_text(d);
   }
+}
+
+constexpr std::string_view nested = R"([terrain]
+source = "a.tif"
+
+# Left of the fault.
+[[geology]]
+type = "contact"
+dip = 80.0
+
+[[geology.of]]
+type = "turbulence"
+
+# Right of it.
+[[geology.of]]
+type = "fold"
+name = "anticline"   # as mapped
+
+# What is folded.
+[[geology.of.of]]
+type = "strata"
+thickness = [4, 9]   # log of the well
+
+[[geology]]
+type = "sphere"
+position = [1, 2, 3]
+
+[[layer]]
+type = "karst"
+)";
+
+TEST(Nesting, IsRead) {
+  const Document d = parse_scene(nested, "s.toml");
+  ASSERT_EQ(d.geology.size(), 2u);
+  ASSERT_EQ(d.geology[0].of.size(), 2u);
+  const GeologySettings& fold = d.geology[0].of[1];
+  EXPECT_EQ(fold.type, "fold");
+  EXPECT_EQ(fold.name, "anticline");
+  EXPECT_EQ(fold.line, 13);
+  ASSERT_EQ(fold.of.size(), 1u);
+  EXPECT_EQ(std::get<std::vector<double>>(fold.of[0].values.at("thickness")), (std::vector<double>{4, 9}));
+  EXPECT_TRUE(
+      same(d, parse_scene("geology = [{type = 'contact', dip = 80, of = [{type = 'turbulence'}, {type = "
+                          "'fold', name = 'anticline', of = [{type = 'strata', thickness = [4, 9]}]}]}, "
+                          "{type = 'sphere', position = [1, 2, 3]}]\n"
+                          "layer = [{type = 'karst'}]\n[terrain]\nsource = 'a.tif'",
+                          "s.toml")));
+  Document other = d;
+  other.geology[0].of[1].of[0].seed = 4;
+  EXPECT_FALSE(same(d, other));
+}
+
+TEST(Nesting, IsSetByNameAndType) {
+  Document d = parse_scene(nested, "s.toml");
+  set(d, "anticline.height=12");
+  set(d, "strata.thickness=3,5");
+  set(d, "contact.seed=8");
+  EXPECT_EQ(std::get<double>(d.geology[0].of[1].values.at("height")), 12);
+  EXPECT_EQ(std::get<std::vector<double>>(d.geology[0].of[1].of[0].values.at("thickness")),
+            (std::vector<double>{3, 5}));
+  EXPECT_EQ(d.geology[0].seed, 8);
+  try {
+    set(d, "antcline.height=12");
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("did you mean \"anticline\"?"));
+  }
+}
+
+TEST(Nesting, SavesKeepComments) {
+  Document d = parse_scene(nested, "s.toml");
+  set(d, "strata.thickness=3,5");
+  set(d, "anticline.height=12");
+  d.geology[0].of[0].of.clear();
+  std::swap(d.geology[0], d.geology[1]);
+  std::swap(d.geology[1].of[0], d.geology[1].of[1]);
+  GeologySettings faulted{"fault", {}, 0};
+  faulted.of.push_back({"planes", {}, 0});
+  d.geology.push_back(faulted);
+  const std::string text = to_text(d);
+  EXPECT_TRUE(same(parse_scene(text, "s.toml"), d)) << text;
+  for (const char* kept :
+       {"# Left of the fault.\n[[geology]]\ntype = \"contact\"\n",
+        "# Right of it.\n[[geology.of]]\ntype = \"fold\"\n",
+        "name = \"anticline\"   # as mapped\nheight = 12.0\n", "# What is folded.\n[[geology.of.of]]\n",
+        "thickness = [3.0, 5.0]   # log of the well\n"})
+    EXPECT_THAT(text, HasSubstr(kept));
+
+  d.geology[1].of[0].of.clear();
+  d.geology[1].of.clear();
+  d.geology[1].type = "turbulence";
+  d.geology[1].values.clear();
+  EXPECT_TRUE(same(parse_scene(to_text(d), "s.toml"), d)) << to_text(d);
+  d.text.clear();
+  EXPECT_TRUE(same(parse_scene(to_text(d), "s.toml"), d)) << to_text(d);
+}
+
+TEST(Nesting, TooDeepIsRefused) {
+  std::string text = "[terrain]\nsource = \"a\"\n", path = "geology";
+  for (int depth = 0; depth < 40; ++depth, path += ".of") text += "[[" + path + "]]\ntype = \"blend\"\n";
+  EXPECT_THAT(message(text), HasSubstr("geology is nested more than 32 deep"));
 }
 
 /// A layer with a table of two rows between two others, for each landform that has a table.
