@@ -28,6 +28,7 @@ struct Coast : GridSettings {
   double inlets = 9;
   double stacks = 20;
   double tilt = 0.05;
+  double hills = 240;
   double terrace = 5;
   double dolines = 5;
   double roughness = 1;
@@ -44,6 +45,7 @@ const ParamTable<Coast>& table() {
         .real("inlets", &Coast::inlets, "1/km", 0, 100, "narrow inlets along joints, per km of coast")
         .real("stacks", &Coast::stacks, "1/km", 0, 200, "sea stacks and skerries, per km of coast")
         .real("tilt", &Coast::tilt, "", 0, 1, "rise of the plateau inland, metres per metre")
+        .real("hills", &Coast::hills, "m", 10, 1e5, "distance from hill to hill on the plateau")
         .real("terrace", &Coast::terrace, "m", 0, 100, "height of the plateau's steps, 0 for none")
         .real("dolines", &Coast::dolines, "1/ha", 0, 50, "sinkholes per hectare of plateau")
         .real("roughness", &Coast::roughness, "", 0, 4, "strength of small relief");
@@ -323,8 +325,8 @@ class Builder {
 
   /// Elevation of the plateau, had the sea never come, along a row.
   std::vector<double> plateau(const Points& points, const std::vector<double>& inland) const {
-    const auto hills = noise(240, 3, 20).at(points), knolls = noise(60, 4, 21).at(points);
-    const auto valleys = noise(420, 2, 22).at(points), grain = noise(7, 4, 23).at(points);
+    const auto hills = noise(p_.hills, 3, 20).at(points), knolls = noise(60, 4, 21).at(points);
+    const auto valleys = noise(1.75 * p_.hills, 2, 22).at(points), grain = noise(7, 4, 23).at(points);
     const auto wobble = noise(18, 2, 24).at(points), ledges = noise(130, 2, 25).at(points);
     const auto dolines = near(dolines_, points.front().y, [](const Doline& o) {
       return Reach{o.center, 1.5 * o.radius};
