@@ -2,36 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstring>
 #include <limits>
-#include <numeric>
+
+#include "tafoni/field/impl/curve.h"
 
 namespace tafoni::field::impl {
 namespace {
-
-constexpr int cell_bits = 21;
-constexpr std::int32_t cell_mask = (1 << cell_bits) - 1;
-
-/// Spreads the low 21 bits of v to every third bit.
-constexpr std::uint64_t spread(std::uint64_t v) {
-  v &= 0x1fffff;
-  v = (v | v << 32) & 0x1f00000000ffffull;
-  v = (v | v << 16) & 0x1f0000ff0000ffull;
-  v = (v | v << 8) & 0x100f00f00f00f00full;
-  v = (v | v << 4) & 0x10c30c30c30c30c3ull;
-  return (v | v << 2) & 0x1249249249249249ull;
-}
-
-std::uint64_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-  return spread(x) | spread(y) << 1 | spread(z) << 2;
-}
-
-/// Total order on floats that a sort may use: by bits, negative numbers reversed.
-std::uint32_t order_key(float v) {
-  const auto bits = std::bit_cast<std::uint32_t>(v);
-  return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
-}
 
 float padded(float reach) {
   return reach * reach_factor + reach_margin;
@@ -43,26 +20,16 @@ Cloud::Cloud(const PrimitiveType& type, float falloff, const Noise& noise, std::
              const std::vector<float>& pool)
     : type_(&type), falloff_(falloff), noise_(noise) {
   struct Key {
-    std::uint64_t cell, within;
+    CurveKey place;
     std::uint32_t index;
   };
   std::vector<Key> keys(records.size());
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    const Vec3i a = records[i].anchor;
-    constexpr std::int32_t bias = 1 << (31 - cell_bits);
-    keys[i] = {
-        morton(static_cast<std::uint32_t>((a.x >> cell_bits) + bias),
-               static_cast<std::uint32_t>((a.y >> cell_bits) + bias),
-               static_cast<std::uint32_t>((a.z >> cell_bits) + bias)),
-        morton(static_cast<std::uint32_t>(a.x & cell_mask), static_cast<std::uint32_t>(a.y & cell_mask),
-               static_cast<std::uint32_t>(a.z & cell_mask)),
-        static_cast<std::uint32_t>(i)};
-  }
+  for (std::size_t i = 0; i < records.size(); ++i)
+    keys[i] = {curve_key(records[i].anchor), static_cast<std::uint32_t>(i)};
   const auto extras_of = [&](const Record& r) { return std::span(pool.data() + r.extra, r.extra_count); };
   // Canonical: depends on the primitives alone. Records equal in every field may swap without a trace.
   std::sort(keys.begin(), keys.end(), [&](const Key& a, const Key& b) {
-    if (a.cell != b.cell) return a.cell < b.cell;
-    if (a.within != b.within) return a.within < b.within;
+    if (a.place != b.place) return a.place < b.place;
     const Record &ra = records[a.index], &rb = records[b.index];
     const auto ka = std::array{order_key(ra.radius), order_key(ra.energy)};
     const auto kb = std::array{order_key(rb.radius), order_key(rb.energy)};
@@ -110,7 +77,7 @@ Cloud::Cloud(const PrimitiveType& type, float falloff, const Noise& noise, std::
   pool_.shrink_to_fit();
   for (const Box3f& b : boxes) bounds_.expand(b);
   if (!records.empty()) mean_reach_ = static_cast<float>(reaches / static_cast<double>(records.size()));
-  build_index(boxes);
+  tree_ = BoxTree(std::move(boxes));
 }
 
 float Cloud::reach_of(float radius, std::span<const float> extras) const {
@@ -119,31 +86,10 @@ float Cloud::reach_of(float radius, std::span<const float> extras) const {
   return padded(support + noise_.amplitude + extent);
 }
 
-void Cloud::build_index(const std::vector<Box3f>& boxes) {
-  std::vector<Box3f> current = boxes;
-  while (!current.empty()) {
-    const std::size_t nodes = (current.size() + fan - 1) / fan;
-    std::vector<WideBox> level(nodes);
-    std::vector<Box3f> parents(nodes);
-    for (std::size_t i = 0; i < nodes * fan; ++i) {
-      const Box3f box = i < current.size() ? current[i] : Box3f{};
-      WideBox& w = level[i / fan];
-      const auto c = i % fan;
-      w.lo[0][c] = box.lo.x, w.lo[1][c] = box.lo.y, w.lo[2][c] = box.lo.z;
-      w.hi[0][c] = box.hi.x, w.hi[1][c] = box.hi.y, w.hi[2][c] = box.hi.z;
-      parents[i / fan].expand(box);
-    }
-    levels_.push_back(std::move(level));
-    if (nodes == 1) break;
-    current = std::move(parents);
-  }
-}
-
 std::uint64_t Cloud::bytes() const {
-  std::uint64_t total = sizeof(*this) + packed_.size() * 16 + blocks_.size() * sizeof(Block) +
-                        pool_.size() * sizeof(float) + extra_offsets_.size() * sizeof(std::uint32_t);
-  for (const auto& level : levels_) total += level.size() * sizeof(WideBox);
-  return total;
+  const std::uint64_t own = sizeof(*this) + packed_.size() * 16 + blocks_.size() * sizeof(Block) +
+                            pool_.size() * sizeof(float) + extra_offsets_.size() * sizeof(std::uint32_t);
+  return own + tree_.bytes();
 }
 
 void Cloud::decode_extras(const Block& block, const Box3f& box, std::size_t from, Primitives& out) const {
@@ -172,32 +118,9 @@ void Cloud::decode_extras(const Block& block, const Box3f& box, std::size_t from
 }
 
 void Cloud::collect(const Box3f& box, Primitives& out) const {
-  if (levels_.empty()) return;
-  const auto [overlaps, decode] = index_kernels();
-  // Depth first, children in order: primitives come out sorted. Sixteen levels of eight hold any cloud.
-  struct Frame {
-    std::size_t node;
-    unsigned mask;
-  };
-  std::array<Frame, 16> stack;
-  std::size_t depth = 0;
-  const std::size_t top = levels_.size() - 1;
-  stack[0] = {0, overlaps(levels_[top][0], box)};
-  for (;;) {
-    Frame& frame = stack[depth];
-    if (frame.mask == 0) {
-      if (depth == 0) return;
-      --depth;
-      continue;
-    }
-    const std::size_t child = frame.node * fan + static_cast<std::size_t>(std::countr_zero(frame.mask));
-    frame.mask &= frame.mask - 1;
-    if (depth < top) {
-      ++depth;
-      stack[depth] = {child, overlaps(levels_[top - depth][child], box)};
-      continue;
-    }
-    const Block& block = blocks_[child];
+  const auto decode = index_kernels().decode;
+  tree_.visit(box, [&](std::size_t b) {
+    const Block& block = blocks_[b];
     constexpr std::int32_t cell_size = 1 << cell_bits;
     const PackedRange range{&packed_,
                             block.first,
@@ -212,7 +135,7 @@ void Cloud::collect(const Box3f& box, Primitives& out) const {
       decode(range, {{-all, -all, -all}, {all, all, all}}, out);
       decode_extras(block, box, from, out);
     }
-  }
+  });
 }
 
 Cloud::Distances Cloud::distances(const Primitives& p, std::size_t i, const Box3f& box) const {

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "tafoni/field/impl/box_tree.h"
 #include "tafoni/field/impl/kernels.h"
 #include "tafoni/field/primitive.h"
 #include "tafoni/field/tree.h"
@@ -22,12 +23,6 @@ struct Packed {
   std::size_t size() const { return lo.size(); }
 };
 
-/// Bounds of up to eight children, structure of arrays; absent children are empty boxes.
-struct WideBox {
-  static constexpr int fan = 8;
-  alignas(32) float lo[3][fan], hi[3][fan];
-};
-
 /// Primitives [first, first + count) of one block, for decoding.
 struct PackedRange {
   const Packed* packed;
@@ -40,8 +35,6 @@ struct PackedRange {
 inline constexpr float reach_factor = 1.f + 1e-5f, reach_margin = 2e-4f;
 
 struct IndexKernels {
-  /// Bit c: child c touches `box`.
-  unsigned (*overlaps)(const WideBox&, const Box3f& box);
   /// Decodes plain primitives and appends those whose support may touch `box`.
   void (*decode)(const PackedRange&, const Box3f& box, Primitives& out);
 };
@@ -74,7 +67,6 @@ class Cloud {
 
  private:
   static constexpr std::size_t block_size = 16;
-  static constexpr int fan = WideBox::fan;
   struct Block {
     std::int16_t cell[3];
     std::uint16_t count;
@@ -89,7 +81,6 @@ class Cloud {
   /// `box`.
   void decode_extras(const Block& block, const Box3f& box, std::size_t from, Primitives& out) const;
   float reach_of(float radius, std::span<const float> extras) const;
-  void build_index(const std::vector<Box3f>& boxes);
 
   const PrimitiveType* type_;
   float falloff_;
@@ -98,7 +89,7 @@ class Cloud {
   std::vector<std::uint32_t> extra_offsets_;  ///< size() + 1 for variable kinds, else empty
   std::vector<float> pool_;
   std::vector<Block> blocks_;
-  std::vector<std::vector<WideBox>> levels_;  ///< [0] bounds the blocks, the last has one node
+  BoxTree tree_;  ///< over the blocks
   Box3f bounds_;
   float mean_reach_ = 0;
 };

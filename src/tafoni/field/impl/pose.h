@@ -2,7 +2,9 @@
 // Where a placed tree stands, ready to compute with.
 
 #include <cmath>
+#include <vector>
 
+#include "tafoni/core/params.h"
 #include "tafoni/field/tree.h"
 #include "tafoni/math/vec.h"
 
@@ -59,5 +61,8 @@ struct Pose {
 
 /// Throws Error{usage} for a placement that is not finite or does not scale by a positive factor.
 void check(const Placement& placement);
+
+/// A placement as data.
+std::vector<ParamInfo> placement_params();
 
 }  // namespace tafoni::field::impl

@@ -1,4 +1,3 @@
-#include "tafoni/core/error.h"
 #include "tafoni/field/impl/node.h"
 #include "tafoni/field/impl/points.h"
 #include "tafoni/field/impl/pose.h"
@@ -76,17 +75,7 @@ class TransformNode final : public impl::NestedNode {
   Placement placement_;
 };
 
-struct Params {
-  double x = 0, y = 0, z = 0, turn = 0, tilt = 0, scale = 1;
-};
-
 }  // namespace
-
-void impl::check(const Placement& p) {
-  if (!std::isfinite(p.position.x + p.position.y + p.position.z + p.turn + p.tilt + p.scale))
-    fail(ErrorKind::usage, "a placement has a number that is not finite");
-  if (!(p.scale > 0)) fail(ErrorKind::usage, "a placement's scale is {}; it must be positive", p.scale);
-}
 
 NodePtr transform(NodePtr tree, const Placement& placement) {
   impl::check(placement);
@@ -98,13 +87,7 @@ const OperatorType& operator_transform() {
       "transform",
       "A tree moved, turned and scaled; lengths and field values alike, so that the field stays in metres",
       "document 003, section 8.3",
-      ParamTable<Params>()
-          .real("x", &Params::x, "m", -131000, 131000, "Where the tree's own origin comes to stand, east")
-          .real("y", &Params::y, "m", -131000, 131000, "Where the tree's own origin comes to stand, north")
-          .real("z", &Params::z, "m", -131000, 131000, "Where the tree's own origin comes to stand, up")
-          .real("turn", &Params::turn, "rad", -7, 7, "About z, counter-clockwise from above, after the tilt")
-          .real("tilt", &Params::tilt, "rad", -7, 7, "About y")
-          .real("scale", &Params::scale, "", 1e-3, 1e3, "Factor of lengths and field values"),
+      impl::placement_params(),
       nullptr,
       nullptr,
       nullptr,

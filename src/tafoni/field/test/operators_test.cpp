@@ -85,6 +85,29 @@ NodePtr land(int count = 200, std::uint64_t seed = 1) {
 
 const WarpSettings folds{{3, 2, 1.5}, 19, 11, 3, 5};
 
+/// A column of balls and a segment, about 14 m high.
+NodePtr hoodoo() {
+  CloudBuilder balls({"sphere", 3, {}}), stem({"segment", 15, {0.4, 2, 2, 3}});
+  Random random(3);
+  for (int i = 0; i < 8; ++i) {
+    const float radius = static_cast<float>(random.uniform(0.5, 1.5));
+    balls.add({random.uniform(-1, 1), random.uniform(-1, 1), i * 1.5}, 6, std::vector<float>{radius});
+  }
+  add_segment(stem, {0, 0, -2}, {0.5, 0, 13}, 3, 5);
+  return combine("blend", {balls.finish(), stem.finish()});
+}
+
+std::vector<Placement> places(int count, std::uint64_t seed, double extent = 80) {
+  Random random(seed);
+  std::vector<Placement> out;
+  for (int i = 0; i < count; ++i)
+    out.push_back({{random.uniform(-extent, extent), random.uniform(-extent, extent), random.uniform(-9, 5)},
+                   random.uniform(-4, 4),
+                   i % 3 ? 0 : random.uniform(-1, 1),
+                   random.uniform(0.5, 1.6)});
+  return out;
+}
+
 struct Case {
   std::string name;
   NodePtr tree;
@@ -110,6 +133,14 @@ std::vector<Case> cases() {
   add("transform_tilted", combine("union", {ground, transform(ball, {{10, 6, 4}, 0.7, 0.9, 0.8})}));
   add("transform_a_warp", transform(warped, {{3, 4, 1}, -2, 0.05, 0.9}));
   add("morph", morph(ground, transform(eroded, {{9, 0, 0}, 1, 0, 1}), 0.3));
+  add("instances", combine("blend", {ground, instances(hoodoo(), places(300, 1))}));
+  add("instances_alone",
+      combine("union",
+              {constant(-7.5f), combine("blend", {constant(-7.5f), instances(hoodoo(), places(40, 4))})}));
+  add("warp_instances", warp(combine("blend", {ground, instances(hoodoo(), places(60, 2))}), nullptr, folds));
+  add("instances_of_instances",
+      combine("blend", {ground, instances(instances(warp(hoodoo(), nullptr, folds), places(5, 3, 12)),
+                                          places(20, 5))}));
   add("controls_of_primitives", erode(warp(ground, as_function(spots(30, 50, 3, 3)), folds),
                                       as_function(spots(30, 50, 4, 3)), rock(1), 4));
   return out;
@@ -290,6 +321,43 @@ TEST(Transform, AgreesWithTheTreeAtItsOwnPositions) {
   EXPECT_THROW(transform(land(), {{0, 0, 0}, 0, 0, 0}), Error);
 }
 
+TEST(Instances, AreTheBlendOfTransforms) {
+  const auto at = places(40, 1, 25);
+  std::vector<NodePtr> copies;
+  for (const Placement& p : at) copies.push_back(transform(hoodoo(), p));
+  const CompiledField all = compile(instances(hoodoo(), at)), one_by_one = compile(combine("blend", copies));
+  int inside = 0;
+  for (const Vec3d& p : some_points(3000, 35, 5)) {
+    const float v = all.value(p);
+    EXPECT_NEAR(v, one_by_one.value(p), 2e-3f);  // positions are quantized to 0.1 mm
+    inside += v != 0;
+  }
+  EXPECT_GT(inside, 500);
+}
+
+TEST(Instances, DoNotDependOnTheOrderGiven) {
+  auto at = places(200, 1, 25);
+  const CompiledField forwards = compile(instances(hoodoo(), at));
+  std::reverse(at.begin(), at.end());
+  const CompiledField backwards = compile(instances(hoodoo(), at));
+  for (const Vec3d& p : some_points(1000, 30, 5)) EXPECT_EQ(forwards.value(p), backwards.value(p));
+}
+
+TEST(Instances, AreSmallAndCounted) {
+  const NodePtr shape = hoodoo();
+  const TreeStats one = stats(instances(shape, places(1, 1))),
+                  many = stats(instances(shape, places(10001, 1)));
+  EXPECT_EQ(many.nodes - one.nodes, 10000u);
+  EXPECT_EQ(many.primitives, one.primitives);
+  EXPECT_LE(static_cast<double>(many.bytes - one.bytes) / 10000, 32);
+}
+
+TEST(Instances, RefuseWhatHasNoEnd) {
+  EXPECT_THROW(instances(land(), places(3, 1)), Error);
+  EXPECT_THROW(instances(hoodoo(), std::vector<Placement>{{{2e5, 0, 0}, 0, 0, 1}}), Error);
+  EXPECT_EQ(compile(instances(hoodoo(), {})).value({0, 0, 0}), 0.f);
+}
+
 TEST(Support, IsExactlyWhereATreeVanishes) {
   const NodePtr cloud = spots(20, 10, 1);
   EXPECT_FALSE(support(land()).bounded());
@@ -297,6 +365,7 @@ TEST(Support, IsExactlyWhereATreeVanishes) {
   EXPECT_FALSE(support(constant(1)).bounded());
   for (const NodePtr& tree :
        {cloud, warp(cloud, nullptr, folds), transform(cloud, {{40, 3, 1}, 1, 0.6, 2}),
+        instances(hoodoo(), places(9, 7, 40)),
         combine("union", {cloud, transform(cloud, {{9, 9, 9}, 0, 0, 1})}), function(patch(1)),
         erode(cloud, patch(1), rock(1), 2), morph(cloud, function(patch(2)), 0.4)}) {
     const Box3d box = support(tree);

