@@ -111,7 +111,7 @@ struct ChunkEvaluator::State {
     return {{low(x, i), low(y, j), low(z, k)},
             {high(x, i + brick_cells), high(y, j + brick_cells), high(z, k + brick_cells)}};
   }
-  void list_primitives(CloudPart& part);
+  void list_primitives(CloudPart& part, const BrickBox& box);
   Interval brick_range(const Box3f& box, int bx, int by, int bz);
   Interval bare_range(double z0, double z1);
   Range widened(Range known);
@@ -213,7 +213,8 @@ int ChunkEvaluator::State::lowest(int from, int to) {
   return lower <= middle ? lower : lowest(middle + 1, to);
 }
 
-void ChunkEvaluator::State::list_primitives(CloudPart& part) {
+/// Those of the bricks of `box` and of the next ones, whose near faces they read.
+void ChunkEvaluator::State::list_primitives(CloudPart& part, const BrickBox& box) {
   const Primitives& p = part.column;
   part.pairs.clear();
   part.touching = 0;
@@ -222,6 +223,7 @@ void ChunkEvaluator::State::list_primitives(CloudPart& part) {
   const float origin[3] = {static_cast<float>(x.metres[0]), static_cast<float>(y.metres[0]),
                            static_cast<float>(z.metres[0])};
   const float brick = static_cast<float>(voxel * brick_cells);
+  const int first[3] = {box.lo.x, box.lo.y, box.lo.z}, last[3] = {box.hi.x, box.hi.y, box.hi.z};
   for (std::uint32_t i = 0; i < p.size(); ++i) {
     const float c[3] = {static_cast<float>(impl::to_metres(p.x[i])) - origin[0],
                         static_cast<float>(impl::to_metres(p.y[i])) - origin[1],
@@ -232,8 +234,8 @@ void ChunkEvaluator::State::list_primitives(CloudPart& part) {
       // Brick b's closure is [b, b + 1] bricks.
       lo[a] = static_cast<int>(std::ceil(std::clamp((c[a] - reach) * inv - 1, -1e6f, 1e6f)));
       hi[a] = static_cast<int>(std::floor(std::clamp((c[a] + reach) * inv, -1e6f, 1e6f)));
-      lo[a] = std::max(lo[a], 0);
-      hi[a] = std::min(hi[a], sides - 1);
+      lo[a] = std::max(lo[a], first[a]);
+      hi[a] = std::min(hi[a], last[a] + 1);
     }
     bool touches = false;
     for (int bz = lo[2]; bz <= hi[2]; ++bz)
@@ -389,47 +391,57 @@ void ChunkEvaluator::State::evaluate_block(int bx, int by, int bz, int nx, int n
       [&](int i, const Instruction& in) { in.op->kernels().block(slot(i), slot(i + 1), in.value); });
 }
 
+Vec3i ChunkSamples::read(int bx, int by, int bz, const BrickBox& among) const {
+  Vec3i n{0, 0, 0};
+  for (int from = 0; from < 8; ++from) {
+    const int dx = from & 1, dy = from >> 1 & 1, dz = from >> 2;
+    const int x = bx - dx, y = by - dy, z = bz - dz;
+    if (x < among.lo.x || y < among.lo.y || z < among.lo.z || x > among.hi.x || y > among.hi.y ||
+        z > among.hi.z || !brick(x, y, z))
+      continue;
+    n.x = std::max(n.x, dx ? 1 : brick_cells);
+    n.y = std::max(n.y, dy ? 1 : brick_cells);
+    n.z = std::max(n.z, dz ? 1 : brick_cells);
+  }
+  return n;
+}
+
 bool ChunkEvaluator::evaluate(int c, ChunkSamples& out) {
+  std::fill(std::begin(out.active), std::end(out.active), 0);
+  return evaluate(c, BrickBox{}, out);
+}
+
+bool ChunkEvaluator::evaluate(int c, const BrickBox& box, ChunkSamples& out) {
   State& s = *state_;
   s.chunk_z = c;
   s.z.set(static_cast<std::int64_t>(c) * chunk_cells, s.voxel);
   out.chunk = {s.column_x, s.column_y, c};
-  std::fill(std::begin(out.active), std::end(out.active), 0);
   out.evaluated = 0;
   out.f.resize(static_cast<std::size_t>(ChunkSamples::nx * ChunkSamples::ny * ChunkSamples::nz));
   std::size_t touching = 0;
   for (auto& part : s.clouds) {
-    s.list_primitives(part);
+    s.list_primitives(part, box);
     touching += part.touching;
   }
-  if (touching == 0 && excludes_zero(s.bare_range(s.z.metres[0], s.z.metres[chunk_cells]))) return false;
+  const bool bare = touching == 0 && excludes_zero(s.bare_range(s.z.metres[0], s.z.metres[chunk_cells]));
+  bool any = false;
+  for (int bz = box.lo.z; bz <= box.hi.z; ++bz)
+    for (int by = box.lo.y; by <= box.hi.y; ++by)
+      for (int bx = box.lo.x; bx <= box.hi.x; ++bx) {
+        const std::uint64_t bit = std::uint64_t{1} << (by * bricks + bx);
+        const bool active = !bare && !excludes_zero(s.brick_range(s.brick_box(bx, by, bz), bx, by, bz));
+        out.active[bz] = active ? out.active[bz] | bit : out.active[bz] & ~bit;
+        any = any || active;
+      }
+  if (!any) return false;
 
-  for (int bz = 0; bz < bricks; ++bz)
-    for (int by = 0; by < bricks; ++by)
-      for (int bx = 0; bx < bricks; ++bx)
-        if (!excludes_zero(s.brick_range(s.brick_box(bx, by, bz), bx, by, bz)))
-          out.active[bz] |= std::uint64_t{1} << (by * bricks + bx);
-  if (!out.any()) return false;
-
-  const auto active = [&](int bx, int by, int bz) {
-    return bx >= 0 && by >= 0 && bz >= 0 && bx < bricks && by < bricks && bz < bricks &&
-           out.brick(bx, by, bz);
-  };
-  for (int bz = 0; bz < sides; ++bz)
-    for (int by = 0; by < sides; ++by)
-      for (int bx = 0; bx < sides; ++bx) {
-        // A cell brick reads its own samples and the near faces of the next ones.
-        int nx = 0, ny = 0, nz = 0;
-        for (int from = 0; from < 8; ++from) {
-          const int dx = from & 1, dy = from >> 1 & 1, dz = from >> 2;
-          if (!active(bx - dx, by - dy, bz - dz)) continue;
-          nx = std::max(nx, dx ? 1 : brick_cells);
-          ny = std::max(ny, dy ? 1 : brick_cells);
-          nz = std::max(nz, dz ? 1 : brick_cells);
-        }
-        if (nx == 0) continue;
-        s.evaluate_block(bx, by, bz, nx, ny, nz, out);
-        out.evaluated += static_cast<std::uint64_t>(nx * ny * nz);
+  for (int bz = box.lo.z; bz <= box.hi.z + 1; ++bz)
+    for (int by = box.lo.y; by <= box.hi.y + 1; ++by)
+      for (int bx = box.lo.x; bx <= box.hi.x + 1; ++bx) {
+        const Vec3i n = out.read(bx, by, bz, box);
+        if (n.x == 0) continue;
+        s.evaluate_block(bx, by, bz, n.x, n.y, n.z, out);
+        out.evaluated += static_cast<std::uint64_t>(n.x * n.y * n.z);
       }
   return true;
 }
