@@ -18,6 +18,7 @@ const std::vector<ParamInfo>& scene_params() {
                 "Size of a cell of the lattice; 0 chooses it from the terrain's pixel size and extent")
           .choice("boundary", &S::boundary, {"solid", "open"},
                   "solid closes the mesh with walls and a base; open leaves a terrain sheet")
+          .real("plants", &S::plants, "", 0, 1, "how green gentle ground is coloured; 0 is a desert")
           .real("min_fragment", &S::min_fragment, "m3", 0, 1e12,
                 "Floating pieces with less volume, or of only a few cells, are removed; 0 keeps all")
           .real("simplify", &S::simplify, "m", 0, 1e4,

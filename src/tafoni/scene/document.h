@@ -16,6 +16,7 @@ struct SceneSettings {
   std::int64_t seed = 0;
   double voxel = 0;  ///< metres; 0: chosen from the terrain's pixel size and extent
   std::string boundary = "solid";
+  double plants = 1;           ///< how green gentle ground is coloured
   double min_fragment = 1000;  ///< m³; smaller floating pieces are removed
   double simplify = 0;         ///< metres; 0: keep every triangle
 };
