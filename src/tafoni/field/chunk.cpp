@@ -89,6 +89,13 @@ struct ChunkEvaluator::State {
   std::vector<std::uint32_t> cursor, order;
   std::vector<std::vector<float>> scratch;  ///< one block a stack slot above the first
   impl::PointWork points;
+  /// Ranges of a nested leaf over the chunk's eight octants, asked at need: they spare most bricks a
+  /// question.
+  struct NestedPart {
+    Interval range[8];
+    unsigned known = 0;
+  };
+  std::vector<NestedPart> nested;
   std::vector<Vec3d> lattice_points;
   std::vector<float> lattice_values;
 
@@ -98,6 +105,7 @@ struct ChunkEvaluator::State {
     heights.resize(p.heights.size());
     domains.resize(p.domains.size());
     clouds.resize(p.clouds.size());
+    nested.resize(p.nested.size());
     scratch.resize(p.depth, std::vector<float>(brick_cells * brick_cells * brick_cells));
   }
 
@@ -112,14 +120,16 @@ struct ChunkEvaluator::State {
             {high(x, i + brick_cells), high(y, j + brick_cells), high(z, k + brick_cells)}};
   }
   void list_primitives(CloudPart& part, const BrickBox& box);
-  Interval brick_range(const Box3f& box, int bx, int by, int bz);
+  Interval brick_range(const Box3f& box, int bx, int by, int bz, bool coarse = false);
+  bool may_hold_surface(int bx, int by, int bz);
+  Interval octant_range(std::size_t index, int bx, int by, int bz);
   Interval bare_range(double z0, double z1);
   Range widened(Range known);
   int highest(int from, int to);
   int lowest(int from, int to);
   void evaluate_block(int bx, int by, int bz, int nx, int ny, int nz, ChunkSamples& out);
   void nested_block(std::size_t index, Vec3i first, int nx, const Block& block);
-  Box3d closure(int bx, int by, int bz) const;
+  Box3d closure(int bx, int by, int bz, int side) const;
 };
 
 ChunkEvaluator::ChunkEvaluator(const CompiledField& field, double voxel)
@@ -263,7 +273,8 @@ void ChunkEvaluator::State::list_primitives(CloudPart& part, const BrickBox& box
 }
 
 /// Ranges over the closure of cell brick (bx, by, bz), whose z limits are box's.
-Interval ChunkEvaluator::State::brick_range(const Box3f& box, int bx, int by, int bz) {
+/// `coarse`: with the nested leaves' ranges over the brick's octant.
+Interval ChunkEvaluator::State::brick_range(const Box3f& box, int bx, int by, int bz, bool coarse) {
   const int plane = by * bricks + bx;
   const auto b = static_cast<std::size_t>(brick_index(bx, by, bz));
   return impl::range_of(program, range_work, [&](const Instruction& in) -> Interval {
@@ -277,8 +288,11 @@ Interval ChunkEvaluator::State::brick_range(const Box3f& box, int bx, int by, in
       return impl::domain_range(*program.domains[in.index], d.value.lo[plane], d.value.hi[plane], box.lo.z,
                                 box.hi.z);
     }
-    if (in.kind == Instruction::Kind::nested)
-      return program.nested[in.index]->range(closure(bx, by, bz), points.nested(in.index));
+    if (in.kind == Instruction::Kind::nested) {
+      const Interval range = octant_range(in.index, bx, by, bz);
+      if (coarse || range.lo == range.hi) return range;
+      return program.nested[in.index]->range(closure(bx, by, bz, 1), points.nested(in.index));
+    }
     const CloudPart& part = clouds[in.index];
     Interval sum{0, 0};
     for (std::uint32_t m = part.begin[b]; m < part.begin[b + 1]; ++m)
@@ -312,10 +326,28 @@ Interval ChunkEvaluator::State::bare_range(double lo, double hi) {
   });
 }
 
-Box3d ChunkEvaluator::State::closure(int bx, int by, int bz) const {
-  const int i = bx * brick_cells, j = by * brick_cells, k = bz * brick_cells;
-  return {{x.metres[i], y.metres[j], z.metres[k]},
-          {x.metres[i + brick_cells], y.metres[j + brick_cells], z.metres[k + brick_cells]}};
+/// Of `side` bricks a side from (bx, by, bz) on.
+Box3d ChunkEvaluator::State::closure(int bx, int by, int bz, int side) const {
+  const int i = bx * brick_cells, j = by * brick_cells, k = bz * brick_cells, n = side * brick_cells;
+  return {{x.metres[i], y.metres[j], z.metres[k]}, {x.metres[i + n], y.metres[j + n], z.metres[k + n]}};
+}
+
+Interval ChunkEvaluator::State::octant_range(std::size_t index, int bx, int by, int bz) {
+  constexpr int half = bricks / 2;
+  const int octant = bz / half * 4 + by / half * 2 + bx / half;
+  NestedPart& part = nested[index];
+  if (!(part.known >> octant & 1u)) {
+    part.known |= 1u << octant;
+    part.range[octant] = program.nested[index]->range(
+        closure(bx / half * half, by / half * half, bz / half * half, half), points.nested(index));
+  }
+  return part.range[octant];
+}
+
+bool ChunkEvaluator::State::may_hold_surface(int bx, int by, int bz) {
+  const Box3f box = brick_box(bx, by, bz);
+  if (!nested.empty() && excludes_zero(brick_range(box, bx, by, bz, true))) return false;
+  return !excludes_zero(brick_range(box, bx, by, bz));
 }
 
 /// The first nx samples of each row of the block that begins at sample `first`.
@@ -418,6 +450,7 @@ bool ChunkEvaluator::evaluate(int c, const BrickBox& box, ChunkSamples& out) {
   out.chunk = {s.column_x, s.column_y, c};
   out.evaluated = 0;
   out.f.resize(static_cast<std::size_t>(ChunkSamples::nx * ChunkSamples::ny * ChunkSamples::nz));
+  for (auto& part : s.nested) part.known = 0;
   std::size_t touching = 0;
   for (auto& part : s.clouds) {
     s.list_primitives(part, box);
@@ -429,7 +462,7 @@ bool ChunkEvaluator::evaluate(int c, const BrickBox& box, ChunkSamples& out) {
     for (int by = box.lo.y; by <= box.hi.y; ++by)
       for (int bx = box.lo.x; bx <= box.hi.x; ++bx) {
         const std::uint64_t bit = std::uint64_t{1} << (by * bricks + bx);
-        const bool active = !bare && !excludes_zero(s.brick_range(s.brick_box(bx, by, bz), bx, by, bz));
+        const bool active = !bare && s.may_hold_surface(bx, by, bz);
         out.active[bz] = active ? out.active[bz] | bit : out.active[bz] & ~bit;
         any = any || active;
       }
