@@ -86,7 +86,7 @@ struct ChunkEvaluator::State {
   std::vector<CloudPart> clouds;
 
   impl::RangeWork range_work;
-  std::vector<std::uint32_t> cursor, order;
+  std::vector<std::uint32_t> cursor, order, bricks_of;
   std::vector<std::vector<float>> scratch;  ///< one block a stack slot above the first
   impl::PointWork points;
   /// Ranges of a nested leaf over the chunk's eight octants, asked at need: they spare most bricks a
@@ -226,8 +226,9 @@ int ChunkEvaluator::State::lowest(int from, int to) {
 /// Those of the bricks of `box` and of the next ones, whose near faces they read.
 void ChunkEvaluator::State::list_primitives(CloudPart& part, const BrickBox& box) {
   const Primitives& p = part.column;
-  part.pairs.clear();
   part.touching = 0;
+  if (p.size() == 0 && part.items.empty() && !part.begin.empty()) return;  // the lists are empty already
+  part.pairs.clear();
   part.begin.assign(sides * sides * sides + 1, 0);
   const float inv = static_cast<float>(1 / (voxel * brick_cells));
   const float origin[3] = {static_cast<float>(x.metres[0]), static_cast<float>(y.metres[0]),
@@ -424,13 +425,15 @@ void ChunkEvaluator::State::evaluate_block(int bx, int by, int bz, int nx, int n
 }
 
 Vec3i ChunkSamples::read(int bx, int by, int bz, const BrickBox& among) const {
+  const auto reads = [&](int x, int y, int z) {
+    return x >= among.lo.x && y >= among.lo.y && z >= among.lo.z && x <= among.hi.x && y <= among.hi.y &&
+           z <= among.hi.z && brick(x, y, z);
+  };
+  if (reads(bx, by, bz)) return {brick_cells, brick_cells, brick_cells};
   Vec3i n{0, 0, 0};
-  for (int from = 0; from < 8; ++from) {
+  for (int from = 1; from < 8; ++from) {
     const int dx = from & 1, dy = from >> 1 & 1, dz = from >> 2;
-    const int x = bx - dx, y = by - dy, z = bz - dz;
-    if (x < among.lo.x || y < among.lo.y || z < among.lo.z || x > among.hi.x || y > among.hi.y ||
-        z > among.hi.z || !brick(x, y, z))
-      continue;
+    if (!reads(bx - dx, by - dy, bz - dz)) continue;
     n.x = std::max(n.x, dx ? 1 : brick_cells);
     n.y = std::max(n.y, dy ? 1 : brick_cells);
     n.z = std::max(n.z, dz ? 1 : brick_cells);
@@ -496,11 +499,15 @@ void ChunkEvaluator::gradients(std::span<const Vec3d> points, std::span<float> v
   order.resize(points.size());
   auto& start = s.cursor;
   start.assign(sides * sides * sides + 1, 0);
-  for (const Vec3d& p : points) ++start[static_cast<std::size_t>(brick_of(p)) + 1];
+  auto& at = s.bricks_of;
+  at.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    at[i] = static_cast<std::uint32_t>(brick_of(points[i]));
+    ++start[at[i] + 1];
+  }
   for (std::size_t b = 1; b < start.size(); ++b) start[b] += start[b - 1];
   const std::vector<std::uint32_t> begin = start;
-  for (std::uint32_t i = 0; i < points.size(); ++i)
-    order[start[static_cast<std::size_t>(brick_of(points[i]))]++] = i;
+  for (std::uint32_t i = 0; i < points.size(); ++i) order[start[at[i]]++] = i;
 
   auto& lists = s.points.lists();
   for (std::size_t b = 0; b + 1 < begin.size(); ++b) {

@@ -100,18 +100,23 @@ struct Job {
   bool differs = false;
 };
 
-/// What one thread needs. Bound to the field of one update.
+/// What one thread needs; its memory is used again from update to update.
 struct Worker {
-  Worker(const field::CompiledField& field, const CellSet& cells, const PolygonizeSettings& settings)
-      : source(field, settings.voxel), maker(cells, settings.voxel, settings.normals, false) {}
+  Worker(const CellSet& cells, const PolygonizeSettings& settings)
+      : maker(cells, settings.voxel, settings.normals, false) {}
 
+  void start(const field::CompiledField& field, double voxel) {
+    source.emplace(field, voxel);
+    range.reset();
+    stats = {};
+  }
   field::ChunkEvaluator::Range prepare(int a, int b) {
-    if (!range || a != column_x || b != column_y) range = source.column(a, b);
+    if (!range || a != column_x || b != column_y) range = source->column(a, b);
     column_x = a, column_y = b;
     return *range;
   }
 
-  impl::FieldSource source;
+  std::optional<impl::FieldSource> source;  ///< of the update's field
   impl::PieceMaker maker;
   ChunkSamples samples;
   int column_x = 0, column_y = 0;
@@ -129,8 +134,9 @@ struct IncrementalMesher::State {
   bool complete = false;  ///< chunks is the mesh of the last update's field
   Stats stats;
   std::mutex mutex;
-  std::vector<std::unique_ptr<Worker>> workers;
+  std::vector<std::unique_ptr<Worker>> idle, workers;  ///< idle: not yet used in this update
 
+  void rest();
   bool choose_cells(const Box3d& bounds);
   std::vector<Job> touched(const field::CompiledField& now, std::span<const SampleBox> boxes);
   std::vector<SampleBox> lattice_boxes(std::span<const Box3d> changed) const;
@@ -143,21 +149,33 @@ struct IncrementalMesher::State {
     std::unique_ptr<Worker> worker;
     {
       const std::lock_guard lock(mutex);
-      if (!workers.empty()) {
-        worker = std::move(workers.back());
-        workers.pop_back();
-      }
+      for (auto* from : {&workers, &idle})
+        if (!worker && !from->empty()) {
+          worker = std::move(from->back());
+          from->pop_back();
+        }
     }
-    if (!worker) worker = std::make_unique<Worker>(now, *cells, settings);
+    if (!worker) worker = std::make_unique<Worker>(*cells, settings);
+    if (!worker->source) worker->start(now, settings.voxel);
     body(*worker);
     const std::lock_guard lock(mutex);
     workers.push_back(std::move(worker));
   }
 };
 
+/// Lets workers go of the field, which may not outlive the update.
+void IncrementalMesher::State::rest() {
+  for (auto& worker : workers) {
+    worker->source.reset();
+    idle.push_back(std::move(worker));
+  }
+  workers.clear();
+}
+
 /// Whether the cells to mesh are those of the last update.
 bool IncrementalMesher::State::choose_cells(const Box3d& bounds) {
   if (cells && cells->limits() == CellSet::limits(bounds, settings)) return true;
+  idle.clear();
   cells.emplace(bounds, settings);
   return false;
 }
@@ -257,7 +275,7 @@ void IncrementalMesher::State::remake(Worker& worker, Job& job) {
                      {last(s.hi.x), last(s.hi.y), last(s.hi.z)}};
   worker.prepare(job.chunk.x, job.chunk.y);
   std::copy(std::begin(held.active), std::end(held.active), worker.samples.active);
-  worker.source.evaluate(job.chunk.z, box, worker.samples);
+  worker.source->evaluate(job.chunk.z, box, worker.samples);
   worker.stats.evaluated += worker.samples.evaluated;
   worker.stats.chunks += 1;
   std::copy(std::begin(worker.samples.active), std::end(worker.samples.active), held.active);
@@ -265,8 +283,10 @@ void IncrementalMesher::State::remake(Worker& worker, Job& job) {
   if (worker.samples.any()) {
     held.read_signs(worker.samples, box);
     const impl::Kept kept{held.piece, s.lo, s.hi, held.signs.data()};
-    if (!worker.maker.make(worker.samples, worker.source, made, &kept)) made = Piece{};
-    worker.stats.vertices += worker.maker.fresh_vertices();
+    if (worker.maker.make(worker.samples, *worker.source, made, &kept))
+      worker.stats.vertices += worker.maker.fresh_vertices();
+    else
+      made = Piece{};
   }
   made.chunk = job.chunk;
   job.differs = !held.same_as(made);
@@ -300,11 +320,11 @@ std::vector<IncrementalMesher::Change> IncrementalMesher::update(const field::Co
                                                                  std::span<const Box3d> changed,
                                                                  Progress& progress) {
   State& s = *state_;
+  s.rest();
   const bool same_cells = s.choose_cells(now.bounds());
   const bool partial = s.complete && same_cells;
   s.complete = false;
   ++s.version;
-  s.workers.clear();
   s.stats = {};
   const SampleBox everything{{-far, -far, -far}, {far, far, far}};
   auto jobs = partial ? s.touched(now, s.lattice_boxes(changed)) : s.touched(now, {&everything, 1});
@@ -338,7 +358,7 @@ std::vector<IncrementalMesher::Change> IncrementalMesher::update(const field::Co
     s.stats.evaluated += worker->stats.evaluated;
     s.stats.vertices += worker->stats.vertices;
   }
-  s.workers.clear();
+  s.rest();
   auto out = s.collect(jobs);
   out.insert(out.end(), gone.begin(), gone.end());
   std::sort(out.begin(), out.end(),
