@@ -68,48 +68,30 @@ class OutlineControl final : public Control {
   double fade_;
 };
 
+constexpr int tile = 16;
+
+void include(Range& range, double value) {
+  range = {std::min(range.lo, value), std::max(range.hi, value)};
+}
+
+double mix(float a, float b, double t) {
+  return static_cast<double>(a) + (static_cast<double>(b) - static_cast<double>(a)) * t;
+}
+
+int pixel(double at, int count) {
+  return static_cast<int>(std::clamp(at, 0.0, count - 1.0));
+}
+
 class MaskControl final : public Control {
  public:
-  explicit MaskControl(const raster::Raster& mask) : placement_(mask.placement), values_(cleaned(mask)) {
-    const int across = (values_.width() + tile - 1) / tile, down = (values_.height() + tile - 1) / tile;
-    tiles_ = raster::Grid<Range>(across, down, Range{1e300, -1e300});
-    for (int row = 0; row < values_.height(); ++row)
-      for (int col = 0; col < values_.width(); ++col)
-        include(tiles_.at(col / tile, row / tile), static_cast<double>(values_.at(col, row)));
-  }
-  double at(Vec3d p) const override {
-    const Vec2d at = placement_.pixel(p.x, p.y);
-    const double x = std::clamp(at.x, 0.0, values_.width() - 1.0);
-    const double y = std::clamp(at.y, 0.0, values_.height() - 1.0);
-    const int col = static_cast<int>(x), row = static_cast<int>(y);
-    const int right = std::min(col + 1, values_.width() - 1), below = std::min(row + 1, values_.height() - 1);
-    const double u = x - col, v = y - row;
-    const double top = mix(values_.at(col, row), values_.at(right, row), u);
-    const double bottom = mix(values_.at(col, below), values_.at(right, below), u);
-    return std::clamp(top + (bottom - top) * v, 0.0, 1.0);
-  }
+  explicit MaskControl(const raster::Raster& mask) : values_(cleaned(mask), mask.placement) {}
+  double at(Vec3d p) const override { return std::clamp(values_.at(p), 0.0, 1.0); }
   Range over(const Box3d& box) const override {
-    const Vec2d a = placement_.pixel(box.lo.x, box.hi.y), b = placement_.pixel(box.hi.x, box.lo.y);
-    const int left = pixel(std::floor(a.x), values_.width()), right = pixel(std::ceil(b.x), values_.width());
-    const int top = pixel(std::floor(a.y), values_.height()),
-              bottom = pixel(std::ceil(b.y), values_.height());
-    Range range{1e300, -1e300};
-    if (right - left > 2 * tile || bottom - top > 2 * tile) {
-      for (int row = top / tile; row <= bottom / tile; ++row)
-        for (int col = left / tile; col <= right / tile; ++col) {
-          include(range, tiles_.at(col, row).lo);
-          include(range, tiles_.at(col, row).hi);
-        }
-    } else {
-      for (int row = top; row <= bottom; ++row)
-        for (int col = left; col <= right; ++col) include(range, static_cast<double>(values_.at(col, row)));
-    }
+    const Range range = values_.over(box);
     return {std::clamp(range.lo, 0.0, 1.0), std::clamp(range.hi, 0.0, 1.0)};
   }
 
  private:
-  static constexpr int tile = 16;
-
   static raster::Grid<float> cleaned(const raster::Raster& mask) {
     raster::Grid<float> out = mask.values;
     for (int row = 0; row < out.height(); ++row)
@@ -117,21 +99,13 @@ class MaskControl final : public Control {
         if (std::isfinite(mask.values.at(col, row))) continue;
         for (int r = row - 1; r <= row + 1; ++r)
           for (int c = col - 1; c <= col + 1; ++c)
-            if (out.inside(c, r)) out.at(c, r) = out.at(c, r) < 0 ? out.at(c, r) : 0;
+            if (out.inside(c, r))
+              out.at(c, r) = out.at(c, r) < 0 && std::isfinite(out.at(c, r)) ? out.at(c, r) : 0;
       }
     return out;
   }
-  static void include(Range& range, double value) {
-    range = {std::min(range.lo, value), std::max(range.hi, value)};
-  }
-  static double mix(float a, float b, double t) {
-    return static_cast<double>(a) + (static_cast<double>(b) - static_cast<double>(a)) * t;
-  }
-  static int pixel(double at, int count) { return static_cast<int>(std::clamp(at, 0.0, count - 1.0)); }
 
-  raster::Placement placement_;
-  raster::Grid<float> values_;
-  raster::Grid<Range> tiles_;
+  RangedRaster values_;
 };
 
 class Product final : public field::Function {
@@ -151,7 +125,7 @@ class Product final : public field::Function {
     if (!std::isfinite(length(box.size()))) return {0, 1};
     double lo = 1, hi = 1;
     for (const ControlPtr& part : parts_) {
-      const Control::Range range = part->over(box);
+      const Range range = part->over(box);
       lo *= range.lo;
       hi *= range.hi;
       if (hi == 0) return {0, 0};
@@ -167,6 +141,45 @@ class Product final : public field::Function {
 };
 
 }  // namespace
+
+RangedRaster::RangedRaster(raster::Grid<float> values, const raster::Placement& placement)
+    : placement_(placement), values_(std::move(values)) {
+  const int across = (values_.width() + tile - 1) / tile, down = (values_.height() + tile - 1) / tile;
+  tiles_ = raster::Grid<Range>(across, down, Range{1e300, -1e300});
+  for (int row = 0; row < values_.height(); ++row)
+    for (int col = 0; col < values_.width(); ++col)
+      include(tiles_.at(col / tile, row / tile), static_cast<double>(values_.at(col, row)));
+}
+
+double RangedRaster::at(Vec3d p) const {
+  const Vec2d at = placement_.pixel(p.x, p.y);
+  const double x = std::clamp(at.x, 0.0, values_.width() - 1.0);
+  const double y = std::clamp(at.y, 0.0, values_.height() - 1.0);
+  const int col = static_cast<int>(x), row = static_cast<int>(y);
+  const int right = std::min(col + 1, values_.width() - 1), below = std::min(row + 1, values_.height() - 1);
+  const double u = x - col, v = y - row;
+  const double top = mix(values_.at(col, row), values_.at(right, row), u);
+  const double bottom = mix(values_.at(col, below), values_.at(right, below), u);
+  return top + (bottom - top) * v;
+}
+
+Range RangedRaster::over(const Box3d& box) const {
+  const Vec2d a = placement_.pixel(box.lo.x, box.hi.y), b = placement_.pixel(box.hi.x, box.lo.y);
+  const int left = pixel(std::floor(a.x), values_.width()), right = pixel(std::ceil(b.x), values_.width());
+  const int top = pixel(std::floor(a.y), values_.height()), bottom = pixel(std::ceil(b.y), values_.height());
+  Range range{1e300, -1e300};
+  if (right - left > 2 * tile || bottom - top > 2 * tile) {
+    for (int row = top / tile; row <= bottom / tile; ++row)
+      for (int col = left / tile; col <= right / tile; ++col) {
+        include(range, tiles_.at(col, row).lo);
+        include(range, tiles_.at(col, row).hi);
+      }
+  } else {
+    for (int row = top; row <= bottom; ++row)
+      for (int col = left; col <= right; ++col) include(range, static_cast<double>(values_.at(col, row)));
+  }
+  return range;
+}
 
 ControlPtr box_control(const Box3d& box, double fade) {
   return std::make_unique<const BoxControl>(box, fade);

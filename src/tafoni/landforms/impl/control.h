@@ -10,11 +10,26 @@
 
 namespace tafoni::landforms::impl {
 
+struct Range {
+  double lo, hi;
+};
+
+/// A raster between its pixels' centres, bilinear, the nearest continued outside; and its ranges over boxes.
+class RangedRaster {
+ public:
+  /// Values must be finite.
+  RangedRaster(raster::Grid<float> values, const raster::Placement& placement);
+  double at(Vec3d p) const;
+  Range over(const Box3d& box) const;
+
+ private:
+  raster::Placement placement_;
+  raster::Grid<float> values_;
+  raster::Grid<Range> tiles_;
+};
+
 class Control {
  public:
-  struct Range {
-    double lo, hi;
-  };
   virtual ~Control() = default;
   virtual double at(Vec3d p) const = 0;
   virtual Range over(const Box3d& box) const = 0;

@@ -2,6 +2,9 @@
 
 #include "tafoni/landforms/landform.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +15,14 @@
 namespace tafoni::landforms {
 namespace {
 
-using test::Coast;
+/// A coast cut by a ravine with a stream: something for every landform to act on.
+struct Coast : test::Coast {
+  Coast() : test::Coast([](Vec3d) { return 0.3; }, &elevation) {}
+  static double elevation(double x, double y) {
+    const double bed = std::max(0.5, 1.5 + 0.12 * y), off = std::abs(x - 24 - 4 * std::sin(y / 12));
+    return std::min(ground(x, y), y > -4 ? bed + 1.6 * off : 1e9);
+  }
+};
 
 class EveryLandform : public testing::TestWithParam<const LandformType*> {
  protected:
@@ -38,13 +48,29 @@ TEST_P(EveryLandform, IsDocumented) {
   }
 }
 
-TEST_P(EveryLandform, CarvesAndTellsHowMuch) {
+TEST_P(EveryLandform, ChangesTheTerrainAndTellsHowManyPrimitivesItTook) {
   const Coast coast;
   const Result result = run(coast.site);
-  ASSERT_FALSE(result.nodes.empty());
+  const auto points = test::places(around, 20000, 7);
+  EXPECT_NE(test::values(field::compile(coast.site.terrain), points),
+            test::values(test::carved(coast.site, result), points));
   std::uint64_t primitives = 0;
   for (const auto& node : result.nodes) primitives += field::stats(node).primitives;
   EXPECT_EQ(test::fact<std::int64_t>(result, "primitives"), static_cast<std::int64_t>(primitives));
+}
+
+TEST_P(EveryLandform, ReshapesWhereItSays) {
+  const Coast coast;
+  const Result result = run(coast.site);
+  if (!result.reshape) return;
+  ASSERT_FALSE(result.reshaped.empty());
+  const auto before = field::compile(coast.site.terrain);
+  const auto after = field::compile(result.reshape(coast.site.terrain));
+  for (const Vec3d p : test::places(around.grown(60), 30000, 8)) {
+    if (!result.reshaped.contains(p)) {
+      ASSERT_EQ(before.value(p), after.value(p));
+    }
+  }
 }
 
 TEST_P(EveryLandform, SameSeedSameBytesWithAnyNumberOfThreads) {
@@ -67,7 +93,7 @@ TEST_P(EveryLandform, SameSeedSameBytesWithAnyNumberOfThreads) {
 TEST_P(EveryLandform, StaysInItsRegion) {
   Coast coast;
   Region region;
-  const Box3d box{{-25, -20, -10}, {10, 20, 24}};
+  const Box3d box{{-25, -20, -10}, {36, 20, 24}};
   region.limit_box(box);
   coast.site.region = &region;
   const Result result = run(coast.site);
@@ -89,11 +115,15 @@ TEST_P(EveryLandform, DoesNothingWhereItMayNotAct) {
   Region region;
   region.limit_polygon({{}});
   coast.site.region = &region;
-  EXPECT_TRUE(run(coast.site).nodes.empty());
+  const auto nothing = [&] {
+    const Result result = run(coast.site);
+    return result.nodes.empty() && !result.reshape;
+  };
+  EXPECT_TRUE(nothing());
   Region elsewhere;
   elsewhere.limit_box({{1e5, 1e5, 0}, {1e5 + 10, 1e5 + 10, 10}});
   coast.site.region = &elsewhere;
-  EXPECT_TRUE(run(coast.site).nodes.empty());
+  EXPECT_TRUE(nothing());
 }
 
 TEST_P(EveryLandform, KeepsOffMissingData) {

@@ -27,6 +27,11 @@ struct Coast {
   static constexpr int width = 120, height = 90;
   static constexpr double shelf = -3, plateau = 30;
 
+  static double ground(double x, double y) {
+    const double t = std::clamp((y - 2 * std::sin(0.2 * x)) / 3 + 0.5, 0.0, 1.0);
+    return shelf + (plateau - shelf) * t + 0.3 * std::sin(0.7 * x) * std::cos(0.5 * y);
+  }
+
   /// The cliff runs along y = 0; `bay` moves it.
   explicit Coast(
       std::function<double(Vec3d)> rho = [](Vec3d) { return 0.3; },
@@ -38,12 +43,8 @@ struct Coast {
     for (int row = 0; row < height; ++row)
       for (int col = 0; col < width; ++col) {
         const Vec2d at = raster->placement.center(col, row);
-        const double wave = 2 * std::sin(0.2 * at.x);
-        const double t = std::clamp((at.y - wave) / 3 + 0.5, 0.0, 1.0);
-        const double z =
-            elevation ? elevation(at.x, at.y)
-                      : shelf + (plateau - shelf) * t + 0.3 * std::sin(0.7 * at.x) * std::cos(0.5 * at.y);
-        raster->values.at(col, row) = static_cast<float>(z);
+        raster->values.at(col, row) =
+            static_cast<float>(elevation ? elevation(at.x, at.y) : ground(at.x, at.y));
       }
     site.origin = {500000, 4000000, 0};
     site.heights = raster;
