@@ -150,24 +150,96 @@ class ColumnSampler {
   std::vector<Candidate> result_;
 };
 
-std::vector<SurfacePoint> throw_darts(const std::vector<Candidate>& candidates, double spacing,
-                                      Progress& progress) {
-  // Candidates are large: sort what decides, and their places to settle ties.
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(candidates.size());
-  for (std::size_t i = 0; i < candidates.size(); ++i)
-    order[i] = {candidates[i].priority, static_cast<std::uint32_t>(i)};
-  std::sort(order.begin(), order.end());
-  SpatialHash hash(2 * spacing, candidates.size() / 8);
-  std::vector<SurfacePoint> kept;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    if (i % 4096 == 0) progress.check();
-    const SurfacePoint& point = candidates[order[i].second].point;
-    if (hash.any_near(point.position, spacing)) continue;
-    hash.insert(point.position);
-    kept.push_back(point);
+/// Dart throwing over the columns of chunks. Columns of one colour of a 2 x 2 checkerboard lie a whole column
+/// apart, so that they cannot disturb one another: they are worked on in parallel, after what earlier colours
+/// have accepted. Candidates live only as long as their column's turn.
+class DartBoard {
+ public:
+  struct Pair {
+    int x, y;
+  };
+  DartBoard(const field::CompiledField& field, const SurfaceSampling& settings, double voxel, Pair first,
+            Pair size)
+      : field_(field),
+        settings_(settings),
+        voxel_(voxel),
+        first_(first),
+        size_(size),
+        kept_(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)) {}
+
+  std::vector<SurfacePoint> run(Progress& progress) {
+    progress.begin("sampling the surface", kept_.size(), "tiles");
+    for (int colour = 0; colour < 4; ++colour) {
+      const int x0 = colour & 1, y0 = colour >> 1;
+      const std::int64_t across = (size_.x - x0 + 1) / 2, along = (size_.y - y0 + 1) / 2;
+      parallel_for(
+          across * along,
+          [&](std::int64_t i) {
+            column(x0 + 2 * static_cast<int>(i % across), y0 + 2 * static_cast<int>(i / across), progress);
+          },
+          progress);
+    }
+    progress.end();
+    return gathered();
   }
-  return kept;
-}
+
+ private:
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.x) + static_cast<std::size_t>(x);
+  }
+
+  void column(int x, int y, Progress& progress) {
+    ColumnSampler sampler(field_, settings_, voxel_);
+    std::vector<Candidate> candidates = sampler.sample(first_.x + x, first_.y + y, progress);
+    if (candidates.empty()) return;
+    SpatialHash hash(2 * settings_.spacing, candidates.size() / 8);
+    add_neighbours(x, y, hash);
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.priority < b.priority; });
+    std::vector<Candidate>& kept = kept_[index(x, y)];
+    for (const Candidate& candidate : candidates) {
+      if (hash.any_near(candidate.point.position, settings_.spacing)) continue;
+      hash.insert(candidate.point.position);
+      kept.push_back(candidate);
+    }
+    kept.shrink_to_fit();
+  }
+
+  /// What neighbours have accepted within reach of the column's candidates, which may lie two cells outside
+  /// it.
+  void add_neighbours(int x, int y, SpatialHash& hash) const {
+    const double side = voxel_ * field::chunk_cells, reach = settings_.spacing + 2 * voxel_;
+    const double west = (first_.x + x) * side - reach, south = (first_.y + y) * side - reach;
+    for (int ny = std::max(0, y - 1); ny <= std::min(size_.y - 1, y + 1); ++ny)
+      for (int nx = std::max(0, x - 1); nx <= std::min(size_.x - 1, x + 1); ++nx)
+        for (const Candidate& c : kept_[index(nx, ny)]) {
+          const Vec3d p = c.point.position;
+          if (p.x > west && p.x < west + side + 2 * reach && p.y > south && p.y < south + side + 2 * reach)
+            hash.insert(p);
+        }
+  }
+
+  /// By priority, so that every prefix is spread over the whole region.
+  std::vector<SurfacePoint> gathered() {
+    std::vector<Candidate> all;
+    for (auto& part : kept_) {
+      all.insert(all.end(), part.begin(), part.end());
+      part = {};
+    }
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.priority < b.priority; });
+    std::vector<SurfacePoint> points;
+    points.reserve(all.size());
+    for (const Candidate& c : all) points.push_back(c.point);
+    return points;
+  }
+
+  const field::CompiledField& field_;
+  const SurfaceSampling& settings_;
+  double voxel_;
+  Pair first_, size_;
+  std::vector<std::vector<Candidate>> kept_;  ///< by column
+};
 
 }  // namespace
 
@@ -185,22 +257,9 @@ std::vector<SurfacePoint> sample_surface(const field::CompiledField& field, cons
     fail(ErrorKind::usage,
          "a spacing of {} m is too small for a region of {:.0f} by {:.0f} m; choose a larger one",
          settings.spacing, settings.box.size().x, settings.box.size().y);
-  const auto columns = static_cast<std::int64_t>(across), count = columns * static_cast<std::int64_t>(along);
-  std::vector<std::vector<Candidate>> parts(static_cast<std::size_t>(count));
-  progress.begin("sampling the surface", static_cast<std::uint64_t>(count), "tiles");
-  parallel_for(
-      count,
-      [&](std::int64_t i) {
-        ColumnSampler sampler(field, settings, voxel);
-        parts[static_cast<std::size_t>(i)] =
-            sampler.sample(static_cast<int>(a0) + static_cast<int>(i % columns),
-                           static_cast<int>(b0) + static_cast<int>(i / columns), progress);
-      },
-      progress);
-  progress.end();
-  std::vector<Candidate> all;
-  for (auto& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return throw_darts(all, settings.spacing, progress);
+  const auto whole = [](double v) { return static_cast<int>(v); };
+  return DartBoard(field, settings, voxel, {whole(a0), whole(b0)}, {whole(across), whole(along)})
+      .run(progress);
 }
 
 }  // namespace tafoni::landforms

@@ -30,8 +30,8 @@ struct SurfaceSampling {
 
 /// Blue noise on f = 0 (document 003, section 6.1): jittered candidates in every lattice cell that the
 /// surface cuts, projected along the gradient, thinned by dart throwing in an order that depends on the seed
-/// alone. In the order of acceptance, so every prefix is well spread too. Throws Error{usage} for a spacing
-/// so small that the box has more than 2^22 lattice columns of 64 x 64 cells.
+/// alone. Returned in random order, so that every prefix is spread over the whole too. Throws Error{usage}
+/// for a spacing so small that the box has more than 2^22 lattice columns of 64 x 64 cells.
 std::vector<SurfacePoint> sample_surface(const field::CompiledField& field, const SurfaceSampling& settings,
                                          Progress& progress = silent());
 

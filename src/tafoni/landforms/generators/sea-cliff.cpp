@@ -283,26 +283,40 @@ class SeaCliff {
     return cloud.size() ? cloud.finish() : nullptr;
   }
 
+  /// f at `probes` places for each attack: place(attack, k). body(i, values) gets those of attack i. In
+  /// blocks, since there may be millions of places.
+  template <int probes, class Place, class Body>
+  static void probe(const field::CompiledField& field, const std::vector<Attack>& attacks, const Place& place,
+                    const Body& body) {
+    constexpr std::int64_t block = 128;
+    parallel_blocks(static_cast<std::int64_t>(attacks.size()), block,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      std::vector<Vec3d> points;
+                      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+                        for (int k = 0; k < probes; ++k) points.push_back(place(attacks[i], k));
+                      std::vector<float> values(points.size());
+                      field.values(points, values);
+                      for (std::int64_t i = begin; i < end; ++i)
+                        body(static_cast<std::size_t>(i), values.data() + (i - begin) * probes);
+                    });
+  }
+
   /// Lifts a primitive that would dig into the platform before the cliff.
   std::vector<double> lifts(const field::CompiledField& field, const std::vector<Attack>& attacks,
                             double radius) const {
-    constexpr std::size_t probes = 6;
+    constexpr int probes = 6;
     const double want = 0.7 * radius;
-    std::vector<Vec3d> points;
-    for (const Attack& a : attacks) {
-      const Vec3d before = a.at.position + to_double(a.at.normal) * (0.35 * radius);
-      for (std::size_t k = 0; k < probes; ++k)
-        points.push_back(before - Vec3d{0, 0, want * static_cast<double>(k + 1) / probes});
-    }
-    std::vector<float> values(points.size());
-    field.values(points, values);
     std::vector<double> lift(attacks.size(), 0.0);
-    for (std::size_t i = 0; i < attacks.size(); ++i)
-      for (std::size_t k = 0; k < probes; ++k)
-        if (values[i * probes + k] > 0) {
-          lift[i] = want * (1 - static_cast<double>(k) / probes);
-          break;
-        }
+    probe<probes>(
+        field, attacks,
+        [&](const Attack& a, int k) {
+          return a.at.position + to_double(a.at.normal) * (0.35 * radius) -
+                 Vec3d{0, 0, want * (k + 1) / probes};
+        },
+        [&](std::size_t i, const float* values) {
+          const auto first = std::find_if(values, values + probes, [](float f) { return f > 0; });
+          if (first != values + probes) lift[i] = want * (1 - static_cast<double>(first - values) / probes);
+        });
     return lift;
   }
 
@@ -310,21 +324,19 @@ class SeaCliff {
   /// a place is hardly thicker than a primitive's radius, 1 from three times that on.
   std::vector<double> strength(const field::CompiledField& field, const std::vector<Attack>& attacks,
                                double radius) const {
-    constexpr std::size_t probes = 12;
-    std::vector<Vec3d> points;
-    for (const Attack& a : attacks)
-      for (std::size_t k = 1; k <= probes; ++k)
-        points.push_back(a.at.position -
-                         horizontal(a.at.normal) * (3 * radius * static_cast<double>(k) / probes));
-    std::vector<float> values(points.size());
-    field.values(points, values);
+    constexpr int probes = 12;
     std::vector<double> factor(attacks.size(), 1.0);
-    for (std::size_t i = 0; i < attacks.size(); ++i) {
-      std::size_t k = 0;
-      // The first probe may still lie in the air before a rough face.
-      while (k < probes && (k == 0 || values[i * probes + k] > 0)) ++k;
-      if (k < probes) factor[i] = smoothstep(0.9, 3, 3 * static_cast<double>(k) / probes);
-    }
+    probe<probes>(
+        field, attacks,
+        [&](const Attack& a, int k) {
+          return a.at.position - horizontal(a.at.normal) * (3 * radius * (k + 1) / probes);
+        },
+        [&](std::size_t i, const float* values) {
+          // The first probe may still lie in the air before a rough face.
+          const auto air = std::find_if(values + 1, values + probes, [](float f) { return f <= 0; });
+          if (air != values + probes)
+            factor[i] = smoothstep(0.9, 3, 3 * static_cast<double>(air - values) / probes);
+        });
     return factor;
   }
 
