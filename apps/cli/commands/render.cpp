@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <memory>
 
 #include "command.h"
@@ -10,6 +11,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/io/format.h"
+#include "tafoni/scene/cut.h"
 #include "tafoni/scene/mesh_scene.h"
 
 namespace tafoni::cli {
@@ -20,8 +22,8 @@ constexpr double degree = 3.14159265358979323846 / 180;
 struct Render {
   std::string input, output;
   SceneOptions scene;
-  std::vector<double> camera, inside, size;
-  bool is_inside = false;
+  std::vector<double> camera, inside, size, cut;
+  bool is_inside = false, geology = false;
   std::optional<double> fov, azimuth, elevation, sun_azimuth, sun_elevation, exposure, haze, sea_level;
   std::optional<std::int64_t> samples;
 };
@@ -76,8 +78,24 @@ render::Camera camera_of(const Render& r, const render::Scene& scene,
   return camera;
 }
 
+/// The scene cut open, looked at squarely enough that the cut shows undistorted.
+mesh::Mesh geology_of(const Render& r, const scene::Document& document, render::RenderSettings& settings,
+                      Console& console) {
+  const scene::BuiltScene scene = scene::build(document, console);
+  scene::Cut cut = scene::middle_cut(scene);
+  if (!r.cut.empty()) cut = {{r.cut[0], r.cut[1]}, {r.cut[2], r.cut[3]}};
+  // From the side that was removed, turned a quarter of a right angle so that the end wall shows as well.
+  const Vec2d along = cut.to - cut.from;
+  if (!settings.azimuth) settings.azimuth = std::atan2(along.x, along.y) - 115 * degree;
+  if (!settings.elevation) settings.elevation = 22 * degree;
+  if (!settings.sun_azimuth) settings.sun_azimuth = std::atan2(along.x, along.y) + 48 * degree;
+  if (!r.haze) settings.haze = 0;
+  return scene::cut_mesh(scene, cut, console);
+}
+
 mesh::Mesh mesh_of(const Render& r, render::RenderSettings& settings, Console& console) {
   if (is_mesh(r.input)) {
+    if (r.geology) fail(ErrorKind::usage, "--geology: a mesh has no geology; give a scene");
     check_output(r.output, {r.input});
     return io::read_mesh(r.input);
   }
@@ -86,6 +104,7 @@ mesh::Mesh mesh_of(const Render& r, render::RenderSettings& settings, Console& c
   std::vector<std::filesystem::path> inputs = inputs_of(document);
   inputs.emplace_back(r.input);
   check_output(r.output, inputs);
+  if (r.geology) return geology_of(r, document, settings, console);
   if (!settings.sea_level) settings.sea_level = scene::sea_level(document);
   return scene::mesh_scene(scene::build(document, console), console).mesh;
 }
@@ -94,6 +113,8 @@ int run(const Render& r, Console& console) {
   if (r.output.empty()) fail(ErrorKind::usage, "render needs -o PNG, the picture to write");
   io::format_of(r.output, io::Ability::write_image);
   render::RenderSettings settings = settings_of(r);
+  if (!r.cut.empty() && !r.geology) fail(ErrorKind::usage, "--cut: needs --geology");
+  if (r.geology && r.is_inside) fail(ErrorKind::usage, "--geology and --inside exclude each other");
   const mesh::Mesh mesh = mesh_of(r, settings, console);
   const render::Scene scene(mesh, console);
   const render::Camera camera = camera_of(r, scene, settings);
@@ -119,6 +140,10 @@ std::function<int(Console&)> setup(Args& args) {
   args.number("--elevation", "DEG", r->elevation, -90, 90, "degrees", "How far the camera looks down");
   args.numbers("--size", "W,H", r->size, 2, "Pixels; default 1280,720");
   args.integer("--samples", "N", r->samples, 1, 4096, "Rays a pixel; default 8");
+  args.flag("--geology", r->geology, "Cut the terrain open and colour it by resistance: pale is resistant");
+  args.numbers("--cut", "X0,Y0,X1,Y1", r->cut, 4,
+               "Line of the cut in the scene's CRS; what lies right of it is removed; default: west to east "
+               "through the middle");
   args.group("Light");
   args.number("--sun-azimuth", "DEG", r->sun_azimuth, -360, 360, "degrees",
               "Where the sun stands, clockwise from north");
@@ -137,6 +162,7 @@ const Command& command_render() {
   static const Command command = {"render", "Make a picture of a scene or a mesh",
                                   "  tafoni render terrain.glb -o terrain.png\n"
                                   "  tafoni render terrain.glb --inside -o cave.png\n"
+                                  "  tafoni render scene.toml --geology -o rock.png\n"
                                   "  tafoni render scene.toml --camera 100,-200,80,300,300,10 -o view.png",
                                   setup};
   return command;
