@@ -85,6 +85,77 @@ BENCHMARK_CAPTURE(chunk, bicubic, true)
     ->Arg(1)
     ->Arg(1000);
 
+/// Beds: turbulence stretched along x and y.
+class Beds final : public field::Function {
+ public:
+  void values(std::span<const Vec3d> points, std::span<float> out) const override {
+    constexpr std::size_t batch = 128;
+    Vec3d scaled[batch];
+    for (std::size_t begin = 0; begin < points.size(); begin += batch) {
+      const std::size_t n = std::min(batch, points.size() - begin);
+      for (std::size_t i = 0; i < n; ++i) {
+        const Vec3d& p = points[begin + i];
+        scaled[i] = {p.x / 200, p.y / 200, p.z / 5};
+      }
+      fbm({scaled, n}, 3, 1, out.subspan(begin, n));
+    }
+  }
+  Interval range(const Box3d&) const override { return {0, 1}; }
+};
+
+/// A shape of thirty primitives, ten metres high.
+field::NodePtr pillar() {
+  field::CloudBuilder balls({"sphere", 2, {}});
+  for (int i = 0; i < 30; ++i)
+    balls.add({std::cos(i) * 0.5, std::sin(i) * 0.5, i / 3.0}, 5, std::vector<float>{0.7f});
+  return balls.finish();
+}
+
+field::NodePtr hilly_chunk() {
+  auto heights = std::make_shared<raster::Raster>();
+  heights->values = raster::Grid<float>(64, 64);
+  heights->placement = {.west = -32, .north = 96, .dx = 2, .dy = 2};
+  for (int j = 0; j < 64; ++j)
+    for (int i = 0; i < 64; ++i)
+      heights->values.at(i, j) = static_cast<float>(32 + 8 * std::sin(0.1 * i) * std::cos(0.13 * j));
+  return field::heightfield(heights, {});
+}
+field::NodePtr plain_hills() {
+  return hilly_chunk();
+}
+field::NodePtr eroded_hills() {
+  return field::erode(hilly_chunk(), nullptr, std::make_shared<Beds>(), 3);
+}
+field::NodePtr warped_hills() {
+  return field::warp(hilly_chunk(), nullptr, {.amplitude = {3, 3, 1}});
+}
+field::NodePtr pillared_hills() {
+  std::vector<field::Placement> placements;
+  for (Vec3d p : random_points(40, {{0, 0, 28}, {64, 64, 30}}))
+    placements.push_back({p, p.x, 0, 1 + p.y / 64});
+  return field::combine("blend", {hilly_chunk(), field::instances(pillar(), placements)});
+}
+
+/// The bricks of one chunk of 64^3 cells that may hold surface, and the test of all the others.
+template <auto tree>
+void nested(benchmark::State& state) {
+  const auto field = field::compile(tree());
+  field::ChunkEvaluator evaluator(field, 1.0);
+  field::ChunkSamples samples;
+  std::int64_t evaluated = 0;
+  for (auto _ : state) {
+    evaluator.column(0, 0);
+    evaluator.evaluate(0, samples);
+    evaluated += static_cast<std::int64_t>(samples.evaluated);
+    benchmark::DoNotOptimize(samples.f.data());
+  }
+  state.SetItemsProcessed(evaluated);
+}
+BENCHMARK(nested<plain_hills>)->Name("chunk samples, hills alone");
+BENCHMARK(nested<eroded_hills>)->Name("chunk samples, eroded beds");
+BENCHMARK(nested<warped_hills>)->Name("chunk samples, warped");
+BENCHMARK(nested<pillared_hills>)->Name("chunk samples, 40 instances of 30 spheres");
+
 void compile_cloud(benchmark::State& state) {
   const auto points = random_points(static_cast<std::size_t>(state.range(0)), {{0, 0, 0}, {5000, 5000, 100}});
   for (auto _ : state) {

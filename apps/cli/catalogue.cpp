@@ -62,6 +62,12 @@ Topic sections() {
                          {},
                          scene::params_of_layer(scene::primitives_layer),
                          {}});
+  out.entries.push_back({"[[layer]] type = \"sculpt\"",
+                         "Strokes of brushes, from a text file and from a journal",
+                         "document 003, sections 3.2 and 8.2",
+                         {},
+                         scene::params_of_layer(scene::sculpt_layer),
+                         {}});
   return out;
 }
 

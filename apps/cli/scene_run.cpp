@@ -70,14 +70,8 @@ std::vector<fs::path> inputs_of(const scene::Document& document) {
   };
   add(document.terrain.source);
   add(document.terrain.domain);
-  for (const scene::Layer& layer : document.layers) {
-    add(layer.settings.region);
-    add(layer.settings.mask);
-    add(layer.settings.points);
-    if (layer.type != scene::primitives_layer) continue;
-    if (const auto file = layer.values.find("file"); file != layer.values.end())
-      add(std::get<std::string>(file->second));
-  }
+  for (const scene::Layer& layer : document.layers)
+    for (const std::string& path : scene::paths_of(layer)) add(path);
   return out;
 }
 

@@ -86,9 +86,16 @@ struct ChunkEvaluator::State {
   std::vector<CloudPart> clouds;
 
   impl::RangeWork range_work;
-  std::vector<std::uint32_t> cursor, order;
+  std::vector<std::uint32_t> cursor, order, bricks_of;
   std::vector<std::vector<float>> scratch;  ///< one block a stack slot above the first
   impl::PointWork points;
+  /// Ranges of a nested leaf over the chunk's eight octants, asked at need: they spare most bricks a
+  /// question.
+  struct NestedPart {
+    Interval range[8];
+    unsigned known = 0;
+  };
+  std::vector<NestedPart> nested;
   std::vector<Vec3d> lattice_points;
   std::vector<float> lattice_values;
 
@@ -98,6 +105,7 @@ struct ChunkEvaluator::State {
     heights.resize(p.heights.size());
     domains.resize(p.domains.size());
     clouds.resize(p.clouds.size());
+    nested.resize(p.nested.size());
     scratch.resize(p.depth, std::vector<float>(brick_cells * brick_cells * brick_cells));
   }
 
@@ -111,15 +119,17 @@ struct ChunkEvaluator::State {
     return {{low(x, i), low(y, j), low(z, k)},
             {high(x, i + brick_cells), high(y, j + brick_cells), high(z, k + brick_cells)}};
   }
-  void list_primitives(CloudPart& part);
-  Interval brick_range(const Box3f& box, int bx, int by, int bz);
+  void list_primitives(CloudPart& part, const BrickBox& box);
+  Interval brick_range(const Box3f& box, int bx, int by, int bz, bool coarse = false);
+  bool may_hold_surface(int bx, int by, int bz);
+  Interval octant_range(std::size_t index, int bx, int by, int bz);
   Interval bare_range(double z0, double z1);
   Range widened(Range known);
   int highest(int from, int to);
   int lowest(int from, int to);
   void evaluate_block(int bx, int by, int bz, int nx, int ny, int nz, ChunkSamples& out);
   void nested_block(std::size_t index, Vec3i first, int nx, const Block& block);
-  Box3d closure(int bx, int by, int bz) const;
+  Box3d closure(int bx, int by, int bz, int side) const;
 };
 
 ChunkEvaluator::ChunkEvaluator(const CompiledField& field, double voxel)
@@ -213,15 +223,18 @@ int ChunkEvaluator::State::lowest(int from, int to) {
   return lower <= middle ? lower : lowest(middle + 1, to);
 }
 
-void ChunkEvaluator::State::list_primitives(CloudPart& part) {
+/// Those of the bricks of `box` and of the next ones, whose near faces they read.
+void ChunkEvaluator::State::list_primitives(CloudPart& part, const BrickBox& box) {
   const Primitives& p = part.column;
-  part.pairs.clear();
   part.touching = 0;
+  if (p.size() == 0 && part.items.empty() && !part.begin.empty()) return;  // the lists are empty already
+  part.pairs.clear();
   part.begin.assign(sides * sides * sides + 1, 0);
   const float inv = static_cast<float>(1 / (voxel * brick_cells));
   const float origin[3] = {static_cast<float>(x.metres[0]), static_cast<float>(y.metres[0]),
                            static_cast<float>(z.metres[0])};
   const float brick = static_cast<float>(voxel * brick_cells);
+  const int first[3] = {box.lo.x, box.lo.y, box.lo.z}, last[3] = {box.hi.x, box.hi.y, box.hi.z};
   for (std::uint32_t i = 0; i < p.size(); ++i) {
     const float c[3] = {static_cast<float>(impl::to_metres(p.x[i])) - origin[0],
                         static_cast<float>(impl::to_metres(p.y[i])) - origin[1],
@@ -232,8 +245,8 @@ void ChunkEvaluator::State::list_primitives(CloudPart& part) {
       // Brick b's closure is [b, b + 1] bricks.
       lo[a] = static_cast<int>(std::ceil(std::clamp((c[a] - reach) * inv - 1, -1e6f, 1e6f)));
       hi[a] = static_cast<int>(std::floor(std::clamp((c[a] + reach) * inv, -1e6f, 1e6f)));
-      lo[a] = std::max(lo[a], 0);
-      hi[a] = std::min(hi[a], sides - 1);
+      lo[a] = std::max(lo[a], first[a]);
+      hi[a] = std::min(hi[a], last[a] + 1);
     }
     bool touches = false;
     for (int bz = lo[2]; bz <= hi[2]; ++bz)
@@ -261,7 +274,8 @@ void ChunkEvaluator::State::list_primitives(CloudPart& part) {
 }
 
 /// Ranges over the closure of cell brick (bx, by, bz), whose z limits are box's.
-Interval ChunkEvaluator::State::brick_range(const Box3f& box, int bx, int by, int bz) {
+/// `coarse`: with the nested leaves' ranges over the brick's octant.
+Interval ChunkEvaluator::State::brick_range(const Box3f& box, int bx, int by, int bz, bool coarse) {
   const int plane = by * bricks + bx;
   const auto b = static_cast<std::size_t>(brick_index(bx, by, bz));
   return impl::range_of(program, range_work, [&](const Instruction& in) -> Interval {
@@ -275,8 +289,11 @@ Interval ChunkEvaluator::State::brick_range(const Box3f& box, int bx, int by, in
       return impl::domain_range(*program.domains[in.index], d.value.lo[plane], d.value.hi[plane], box.lo.z,
                                 box.hi.z);
     }
-    if (in.kind == Instruction::Kind::nested)
-      return program.nested[in.index]->range(closure(bx, by, bz), points.nested(in.index));
+    if (in.kind == Instruction::Kind::nested) {
+      const Interval range = octant_range(in.index, bx, by, bz);
+      if (coarse || range.lo == range.hi) return range;
+      return program.nested[in.index]->range(closure(bx, by, bz, 1), points.nested(in.index));
+    }
     const CloudPart& part = clouds[in.index];
     Interval sum{0, 0};
     for (std::uint32_t m = part.begin[b]; m < part.begin[b + 1]; ++m)
@@ -310,10 +327,28 @@ Interval ChunkEvaluator::State::bare_range(double lo, double hi) {
   });
 }
 
-Box3d ChunkEvaluator::State::closure(int bx, int by, int bz) const {
-  const int i = bx * brick_cells, j = by * brick_cells, k = bz * brick_cells;
-  return {{x.metres[i], y.metres[j], z.metres[k]},
-          {x.metres[i + brick_cells], y.metres[j + brick_cells], z.metres[k + brick_cells]}};
+/// Of `side` bricks a side from (bx, by, bz) on.
+Box3d ChunkEvaluator::State::closure(int bx, int by, int bz, int side) const {
+  const int i = bx * brick_cells, j = by * brick_cells, k = bz * brick_cells, n = side * brick_cells;
+  return {{x.metres[i], y.metres[j], z.metres[k]}, {x.metres[i + n], y.metres[j + n], z.metres[k + n]}};
+}
+
+Interval ChunkEvaluator::State::octant_range(std::size_t index, int bx, int by, int bz) {
+  constexpr int half = bricks / 2;
+  const int octant = bz / half * 4 + by / half * 2 + bx / half;
+  NestedPart& part = nested[index];
+  if (!(part.known >> octant & 1u)) {
+    part.known |= 1u << octant;
+    part.range[octant] = program.nested[index]->range(
+        closure(bx / half * half, by / half * half, bz / half * half, half), points.nested(index));
+  }
+  return part.range[octant];
+}
+
+bool ChunkEvaluator::State::may_hold_surface(int bx, int by, int bz) {
+  const Box3f box = brick_box(bx, by, bz);
+  if (!nested.empty() && excludes_zero(brick_range(box, bx, by, bz, true))) return false;
+  return !excludes_zero(brick_range(box, bx, by, bz));
 }
 
 /// The first nx samples of each row of the block that begins at sample `first`.
@@ -389,47 +424,60 @@ void ChunkEvaluator::State::evaluate_block(int bx, int by, int bz, int nx, int n
       [&](int i, const Instruction& in) { in.op->kernels().block(slot(i), slot(i + 1), in.value); });
 }
 
+Vec3i ChunkSamples::read(int bx, int by, int bz, const BrickBox& among) const {
+  const auto reads = [&](int x, int y, int z) {
+    return x >= among.lo.x && y >= among.lo.y && z >= among.lo.z && x <= among.hi.x && y <= among.hi.y &&
+           z <= among.hi.z && brick(x, y, z);
+  };
+  if (reads(bx, by, bz)) return {brick_cells, brick_cells, brick_cells};
+  Vec3i n{0, 0, 0};
+  for (int from = 1; from < 8; ++from) {
+    const int dx = from & 1, dy = from >> 1 & 1, dz = from >> 2;
+    if (!reads(bx - dx, by - dy, bz - dz)) continue;
+    n.x = std::max(n.x, dx ? 1 : brick_cells);
+    n.y = std::max(n.y, dy ? 1 : brick_cells);
+    n.z = std::max(n.z, dz ? 1 : brick_cells);
+  }
+  return n;
+}
+
 bool ChunkEvaluator::evaluate(int c, ChunkSamples& out) {
+  std::fill(std::begin(out.active), std::end(out.active), 0);
+  return evaluate(c, BrickBox{}, out);
+}
+
+bool ChunkEvaluator::evaluate(int c, const BrickBox& box, ChunkSamples& out) {
   State& s = *state_;
   s.chunk_z = c;
   s.z.set(static_cast<std::int64_t>(c) * chunk_cells, s.voxel);
   out.chunk = {s.column_x, s.column_y, c};
-  std::fill(std::begin(out.active), std::end(out.active), 0);
   out.evaluated = 0;
   out.f.resize(static_cast<std::size_t>(ChunkSamples::nx * ChunkSamples::ny * ChunkSamples::nz));
+  for (auto& part : s.nested) part.known = 0;
   std::size_t touching = 0;
   for (auto& part : s.clouds) {
-    s.list_primitives(part);
+    s.list_primitives(part, box);
     touching += part.touching;
   }
-  if (touching == 0 && excludes_zero(s.bare_range(s.z.metres[0], s.z.metres[chunk_cells]))) return false;
+  const bool bare = touching == 0 && excludes_zero(s.bare_range(s.z.metres[0], s.z.metres[chunk_cells]));
+  bool any = false;
+  for (int bz = box.lo.z; bz <= box.hi.z; ++bz)
+    for (int by = box.lo.y; by <= box.hi.y; ++by)
+      for (int bx = box.lo.x; bx <= box.hi.x; ++bx) {
+        const std::uint64_t bit = std::uint64_t{1} << (by * bricks + bx);
+        const bool active = !bare && s.may_hold_surface(bx, by, bz);
+        out.active[bz] = active ? out.active[bz] | bit : out.active[bz] & ~bit;
+        any = any || active;
+      }
+  if (!any) return false;
 
-  for (int bz = 0; bz < bricks; ++bz)
-    for (int by = 0; by < bricks; ++by)
-      for (int bx = 0; bx < bricks; ++bx)
-        if (!excludes_zero(s.brick_range(s.brick_box(bx, by, bz), bx, by, bz)))
-          out.active[bz] |= std::uint64_t{1} << (by * bricks + bx);
-  if (!out.any()) return false;
-
-  const auto active = [&](int bx, int by, int bz) {
-    return bx >= 0 && by >= 0 && bz >= 0 && bx < bricks && by < bricks && bz < bricks &&
-           out.brick(bx, by, bz);
-  };
-  for (int bz = 0; bz < sides; ++bz)
-    for (int by = 0; by < sides; ++by)
-      for (int bx = 0; bx < sides; ++bx) {
-        // A cell brick reads its own samples and the near faces of the next ones.
-        int nx = 0, ny = 0, nz = 0;
-        for (int from = 0; from < 8; ++from) {
-          const int dx = from & 1, dy = from >> 1 & 1, dz = from >> 2;
-          if (!active(bx - dx, by - dy, bz - dz)) continue;
-          nx = std::max(nx, dx ? 1 : brick_cells);
-          ny = std::max(ny, dy ? 1 : brick_cells);
-          nz = std::max(nz, dz ? 1 : brick_cells);
-        }
-        if (nx == 0) continue;
-        s.evaluate_block(bx, by, bz, nx, ny, nz, out);
-        out.evaluated += static_cast<std::uint64_t>(nx * ny * nz);
+  for (int bz = box.lo.z; bz <= box.hi.z + 1; ++bz)
+    for (int by = box.lo.y; by <= box.hi.y + 1; ++by)
+      for (int bx = box.lo.x; bx <= box.hi.x + 1; ++bx) {
+        const Vec3i n = out.read(bx, by, bz, box);
+        if (n.x == 0) continue;
+        s.evaluate_block(bx, by, bz, n.x, n.y, n.z, out);
+        out.evaluated += static_cast<std::uint64_t>(n.x * n.y * n.z);
       }
   return true;
 }
@@ -451,11 +499,15 @@ void ChunkEvaluator::gradients(std::span<const Vec3d> points, std::span<float> v
   order.resize(points.size());
   auto& start = s.cursor;
   start.assign(sides * sides * sides + 1, 0);
-  for (const Vec3d& p : points) ++start[static_cast<std::size_t>(brick_of(p)) + 1];
+  auto& at = s.bricks_of;
+  at.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    at[i] = static_cast<std::uint32_t>(brick_of(points[i]));
+    ++start[at[i] + 1];
+  }
   for (std::size_t b = 1; b < start.size(); ++b) start[b] += start[b - 1];
   const std::vector<std::uint32_t> begin = start;
-  for (std::uint32_t i = 0; i < points.size(); ++i)
-    order[start[static_cast<std::size_t>(brick_of(points[i]))]++] = i;
+  for (std::uint32_t i = 0; i < points.size(); ++i) order[start[at[i]]++] = i;
 
   auto& lists = s.points.lists();
   for (std::size_t b = 0; b + 1 < begin.size(); ++b) {

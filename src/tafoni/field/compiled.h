@@ -42,6 +42,11 @@ inline constexpr int chunk_cells = 64;
 inline constexpr int brick_cells = 8;
 inline constexpr int chunk_bricks = chunk_cells / brick_cells;
 
+/// A box of bricks of one chunk, both ends included; by default all of them.
+struct BrickBox {
+  Vec3i lo{0, 0, 0}, hi{chunk_bricks - 1, chunk_bricks - 1, chunk_bricks - 1};
+};
+
 /// The samples of one chunk's cells, valid wherever an active brick of 8^3 cells needs them.
 struct ChunkSamples {
   static constexpr int nx = 72, ny = 65, nz = 65;  ///< x is padded; 65 samples a side are used
@@ -51,6 +56,9 @@ struct ChunkSamples {
              static_cast<std::size_t>(i)];
   }
   bool brick(int bx, int by, int bz) const { return (active[bz] >> (by * 8 + bx)) & 1u; }
+  /// How many samples along each axis, from sample (8 bx, 8 by, 8 bz), the active bricks of `among` read of
+  /// those 8^3: all of a brick's own and the near faces of the next ones'. All 0 where none reads any.
+  Vec3i read(int bx, int by, int bz, const BrickBox& among) const;
 
   Vec3i chunk;
   std::vector<float> f;                     ///< [nz][ny][nx]
@@ -80,6 +88,10 @@ class ChunkEvaluator {
   /// Samples of chunk (a, b, c) of the column last prepared. False when no brick is active.
   /// An inactive brick holds no sign change among the 9^3 samples of its cells' closure.
   bool evaluate(int c, ChunkSamples& out);
+  /// The same of the bricks in `box` alone, for a field that changed within them: out.active keeps the flags
+  /// of the other bricks, and of the samples only those that active bricks of the box read are written. False
+  /// when no brick of the box is active. gradients() then takes points of the box alone.
+  bool evaluate(int c, const BrickBox& box, ChunkSamples& out);
   /// Gradients at local points within the chunk last evaluated (its closed box); bit-identical to
   /// CompiledField::gradients.
   void gradients(std::span<const Vec3d> points, std::span<float> values, std::span<Vec3f> gradients);

@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <unordered_set>
 #include <vector>
 
 #include "tafoni/core/error.h"
 #include "tafoni/field/impl/node.h"
+#include "tafoni/field/impl/pose.h"
 #include "tafoni/field/tree.h"
 
 namespace tafoni::field {
@@ -43,28 +45,43 @@ class Cells {
   std::vector<bool> marked_;
 };
 
-}  // namespace
-
-double coverage(const NodePtr& root, const Box3d& area, double cell) {
-  if (!(cell > 0) || !(area.size().x > 0) || !(area.size().y > 0))
-    fail(ErrorKind::usage, "coverage wants an area and a cell above 0 m");
-  Cells cells(area, cell);
+/// Marks the primitives below `root`, seen by `at` from where the tree stands and larger by `scale`.
+void mark(Cells& cells, const Node* root, const std::function<Vec3d(Vec3d)>& at, double scale) {
   std::unordered_set<const Node*> seen;
-  std::vector<const Node*> pending{root.get()};
+  std::vector<const Node*> pending{root};
   while (!pending.empty()) {
     const Node* node = pending.back();
     pending.pop_back();
     if (!node || !seen.insert(node).second) continue;
     if (const auto* op = node->operation())
       for (const auto& child : op->children) pending.push_back(child.get());
+    if (const auto* nested = node->nested(); nested && nested->child())
+      nested->each_pose([&](const impl::Pose* pose) {
+        const NodePtr child = nested->child();
+        if (!pose) return mark(cells, child.get(), at, scale);
+        mark(
+            cells, child.get(), [&](Vec3d p) { return at(pose->to_world(p)); }, scale * pose->scale);
+      });
     const auto* cloud = node->cloud();
     if (!cloud) continue;
     impl::Primitives found;
     cloud->collect(cloud->bounds(), found);
-    for (std::size_t i = 0; i < found.size(); ++i)
-      cells.mark(impl::to_metres(found.x[i]), impl::to_metres(found.y[i]),
-                 static_cast<double>(found.reach[i]));
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const Vec3d p =
+          at({impl::to_metres(found.x[i]), impl::to_metres(found.y[i]), impl::to_metres(found.z[i])});
+      cells.mark(p.x, p.y, static_cast<double>(found.reach[i]) * scale);
+    }
   }
+}
+
+}  // namespace
+
+double coverage(const NodePtr& root, const Box3d& area, double cell) {
+  if (!(cell > 0) || !(area.size().x > 0) || !(area.size().y > 0))
+    fail(ErrorKind::usage, "coverage wants an area and a cell above 0 m");
+  Cells cells(area, cell);
+  mark(
+      cells, root.get(), [](Vec3d p) { return p; }, 1);
   return cells.share();
 }
 

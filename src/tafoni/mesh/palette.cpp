@@ -47,7 +47,8 @@ Vec3f bare_rock(const SurfacePoint& s) {
   rock = rock * (1 + 0.55f * face * beds + 0.16f * stain + 0.18f * blotch);
   // Iron: some beds run to rust.
   const float rust = std::clamp(0.55f * (beds + blotch) * face, 0.0f, 0.5f);
-  return mix(rock, {0.40f, 0.21f, 0.10f}, rust * 0.6f);
+  const float desert = 0.55f * (1 - s.plants) * (1 - 0.4f * rho);
+  return mix(mix(rock, {0.52f, 0.25f, 0.12f}, desert), {0.40f, 0.21f, 0.10f}, rust * 0.6f);
 }
 
 /// Grass on treads above the spray, thinning to soil where it is steeper.
@@ -60,7 +61,7 @@ Vec3f with_plants(const SurfacePoint& s, Vec3f rock) {
   const float above_spray = smooth(2.0f, 7.0f, s.height_above_sea + 12 * ragged);
   const float ground = smooth(0.62f, 0.78f, s.normal.z + ragged) * above_spray;
   const float green = smooth(0.72f, 0.86f, s.normal.z + ragged) * above_spray;
-  return mix(mix(rock, soil, 0.7f * ground), grass, green);
+  return mix(mix(rock, soil, 0.7f * ground * s.plants), grass, green * s.plants);
 }
 
 /// Sand on flats at the sea, and a dark wet band.

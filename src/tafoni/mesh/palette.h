@@ -14,6 +14,7 @@ struct SurfacePoint {
   Vec3f normal{0, 0, 1};             ///< unit, outward
   float resistance = 0.5f;           ///< rho in [0, 1]: soft ochre to hard grey
   float height_above_sea = 1000.0f;  ///< metres; far above the sea when there is none
+  float plants = 1;                  ///< how much grows in the open; 0 is a desert, whose rock is redder
   bool roofed = false;               ///< under an overhang or in a cave: no plants grow
   float spacing = 0.5f;              ///< metres between vertices; finer texture is left out
 };

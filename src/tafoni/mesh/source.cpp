@@ -1,28 +1,11 @@
 #include "tafoni/mesh/source.h"
 
+#include "tafoni/mesh/impl/field_source.h"
 #include "tafoni/mesh/polygonize.h"
 
 namespace tafoni::mesh {
-namespace {
-
-class FieldSource : public SampleSource {
- public:
-  FieldSource(const field::CompiledField& field, double voxel) : evaluator_(field, voxel) {}
-  Range column(int a, int b) override { return evaluator_.column(a, b); }
-  bool evaluate(int c, field::ChunkSamples& out) override { return evaluator_.evaluate(c, out); }
-  void gradients(std::span<const Vec3d> points, std::span<float> values,
-                 std::span<Vec3f> gradients) override {
-    evaluator_.gradients(points, values, gradients);
-  }
-
- private:
-  field::ChunkEvaluator evaluator_;
-};
-
-}  // namespace
-
 SourceFactory field_source(const field::CompiledField& field, double voxel) {
-  return [&field, voxel] { return std::make_unique<FieldSource>(field, voxel); };
+  return [&field, voxel] { return std::make_unique<impl::FieldSource>(field, voxel); };
 }
 
 Mesh polygonize(const field::CompiledField& field, const PolygonizeSettings& settings, Progress& progress,

@@ -25,6 +25,7 @@ struct LayerResult {
   std::string type;
   landforms::Result made;  ///< what it does to the tree, and facts
   double seconds = 0;
+  bool reused = false;  ///< taken over from an earlier build by the same session
 };
 
 /// All that a document describes, before it is meshed. Immutable once built.

@@ -18,6 +18,7 @@ const std::vector<ParamInfo>& scene_params() {
                 "Size of a cell of the lattice; 0 chooses it from the terrain's pixel size and extent")
           .choice("boundary", &S::boundary, {"solid", "open"},
                   "solid closes the mesh with walls and a base; open leaves a terrain sheet")
+          .real("plants", &S::plants, "", 0, 1, "how green gentle ground is coloured; 0 is a desert")
           .real("min_fragment", &S::min_fragment, "m3", 0, 1e12,
                 "Floating pieces with less volume, or of only a few cells, are removed; 0 keeps all")
           .real("simplify", &S::simplify, "m", 0, 1e4,
@@ -76,11 +77,47 @@ const std::vector<ParamInfo>& layer_params() {
                    "Lowest and highest elevation at which the layer acts")
           .numbers("box", &S::box, "m", 6, -1e9, 1e9,
                    "West, south, bottom, east, north, top in the scene's CRS; the layer acts inside")
-          .text("mask", &S::mask, "Path of a raster; the layer acts where it is above 0, by its weight")
+          .text("mask", &S::mask,
+                "Path of a raster, or paint:NAME for what strokes paint; the layer acts where it is above 0, "
+                "by its "
+                "weight")
           .text("points", &S::points, "Path of a CSV (x,y,z) of seed points in the scene's CRS")
           .integer("seed", &S::seed, "", -1, std::int64_t{1} << 53,
                    "The layer's own seed; -1 makes it from the scene's seed and the layer's type and name");
   return params;
+}
+
+const std::string& shown_name(const Layer& layer) {
+  return layer.settings.name.empty() ? layer.type : layer.settings.name;
+}
+
+std::string_view painted_mask(const Layer& layer) {
+  constexpr std::string_view prefix = "paint:";
+  const std::string_view mask = layer.settings.mask;
+  return mask.starts_with(prefix) ? mask.substr(prefix.size()) : std::string_view();
+}
+
+std::vector<std::string*> paths_of(Layer& layer) {
+  LayerSettings& s = layer.settings;
+  std::vector<std::string*> out;
+  const auto add = [&](std::string& path) {
+    if (!path.empty()) out.push_back(&path);
+  };
+  add(s.region);
+  if (painted_mask(layer).empty()) add(s.mask);
+  add(s.points);
+  // The own parameters of a layer that is no landform are its files.
+  if (layer.type == primitives_layer || layer.type == sculpt_layer)
+    for (auto& [name, value] : layer.values)
+      if (auto* path = std::get_if<std::string>(&value)) add(*path);
+  return out;
+}
+
+std::vector<std::string> paths_of(const Layer& layer) {
+  Layer copy = layer;
+  std::vector<std::string> out;
+  for (const std::string* path : paths_of(copy)) out.push_back(*path);
+  return out;
 }
 
 std::filesystem::path Document::resolved(const std::string& path) const {

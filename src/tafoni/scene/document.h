@@ -16,6 +16,7 @@ struct SceneSettings {
   std::int64_t seed = 0;
   double voxel = 0;  ///< metres; 0: chosen from the terrain's pixel size and extent
   std::string boundary = "solid";
+  double plants = 1;           ///< how green gentle ground is coloured
   double min_fragment = 1000;  ///< m³; smaller floating pieces are removed
   double simplify = 0;         ///< metres; 0: keep every triangle
 };
@@ -62,13 +63,13 @@ struct LayerSettings {
   std::string region;            ///< path of a polygon file
   std::vector<double> altitude;  ///< lo, hi: world elevations
   std::vector<double> box;       ///< west, south, bottom, east, north, top: scene CRS
-  std::string mask;              ///< path of a raster
+  std::string mask;              ///< path of a raster, or "paint:NAME" for one that strokes paint
   std::string points;            ///< path of a CSV of seed points
   std::int64_t seed = -1;        ///< -1: made from the scene's seed, the layer's type and name
 };
 const std::vector<ParamInfo>& layer_params();
 
-/// One [[layer]]: a landform by name, or "primitives" with the path of a CSV.
+/// One [[layer]]: a landform by name, "primitives" with the path of a CSV, or "sculpt" with strokes.
 struct Layer {
   std::string type;
   LayerSettings settings;
@@ -77,7 +78,14 @@ struct Layer {
 };
 /// The parameters of a layer type beyond layer_params(). Throws Error{usage} naming the nearest known type.
 const std::vector<ParamInfo>& params_of_layer(std::string_view type);
-inline constexpr std::string_view primitives_layer = "primitives";
+inline constexpr std::string_view primitives_layer = "primitives", sculpt_layer = "sculpt";
+/// What messages call a layer: its name or else its type.
+const std::string& shown_name(const Layer& layer);
+/// The paths of files that a layer names, for reading or changing them. None is empty.
+std::vector<std::string*> paths_of(Layer& layer);
+std::vector<std::string> paths_of(const Layer& layer);
+/// NAME where a mask is "paint:NAME", else empty.
+std::string_view painted_mask(const Layer& layer);
 
 struct Document {
   std::filesystem::path directory;  ///< what relative paths are relative to

@@ -76,6 +76,7 @@ void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress) {
                    point.position = at + origin;
                    point.spacing = static_cast<float>(scene.voxel);
                    if (!mesh.normals.empty()) point.normal = mesh.normals[i];
+                   point.plants = static_cast<float>(scene.document.scene.plants);
                    point.resistance = resistance[i - begin];
                    if (sea) point.height_above_sea = static_cast<float>(point.position.z - *sea);
                    const double cover = raster::sample_bilinear(heights, at.x, at.y) - at.z;

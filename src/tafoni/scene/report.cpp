@@ -22,6 +22,7 @@ Json layers_json(const BuiltScene& scene) {
   Json out = Json::array();
   for (const LayerResult& layer : scene.layers) {
     Json entry = {{"name", layer.name}, {"type", layer.type}, {"seconds", layer.seconds}};
+    if (layer.reused) entry["reused"] = true;
     std::uint64_t primitives = 0;
     for (const auto& node : layer.made.nodes) primitives += field::stats(node).primitives;
     entry["primitives"] = primitives;

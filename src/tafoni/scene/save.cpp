@@ -295,13 +295,8 @@ void save_scene(const Document& document, const std::filesystem::path& file) {
   const auto directory = std::filesystem::absolute(file).lexically_normal().parent_path();
   rebase(moved.terrain.source, document, directory);
   rebase(moved.terrain.domain, document, directory);
-  for (Layer& layer : moved.layers) {
-    for (std::string* path : {&layer.settings.region, &layer.settings.mask, &layer.settings.points})
-      rebase(*path, document, directory);
-    if (layer.type != primitives_layer) continue;
-    if (const auto found = layer.values.find("file"); found != layer.values.end())
-      rebase(std::get<std::string>(found->second), document, directory);
-  }
+  for (Layer& layer : moved.layers)
+    for (std::string* path : paths_of(layer)) rebase(*path, document, directory);
   moved.directory = directory;
   AtomicFile out(file);
   out.write(to_text(moved));

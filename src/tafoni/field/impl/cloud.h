@@ -37,6 +37,9 @@ inline constexpr float reach_factor = 1.f + 1e-5f, reach_margin = 2e-4f;
 struct IndexKernels {
   /// Decodes plain primitives and appends those whose support may touch `box`.
   void (*decode)(const PackedRange&, const Box3f& box, Primitives& out);
+  /// Writes the indices of those whose support may touch `box`, ascending; returns how many. `out` has room
+  /// for eight more than there are primitives.
+  std::size_t (*narrow)(const Primitives&, const Box3f& box, std::uint32_t* out);
 };
 const IndexKernels& index_kernels();
 

@@ -11,15 +11,34 @@ namespace tafoni::field::impl {
 namespace HWY_NAMESPACE {
 using namespace tafoni::HWY_NAMESPACE;
 
+/// How far a coordinate lies outside of [lo, hi], metres.
+TAFONI_LANES_INLINE Lanes gap(float lo, float hi, Ints at) {
+  const Lanes c = to_lanes(at) * Lanes(static_cast<float>(unit));
+  return max(max(Lanes(lo) - c, c - Lanes(hi)), Lanes(0.f));
+}
+TAFONI_LANES_INLINE Mask touches(const Box3f& box, Ints x, Ints y, Ints z, Lanes reach) {
+  const Lanes dx = gap(box.lo.x, box.hi.x, x), dy = gap(box.lo.y, box.hi.y, y),
+              dz = gap(box.lo.z, box.hi.z, z), far = reach + Lanes(position_slack);
+  return dx * dx + dy * dy + dz * dz <= far * far;
+}
+
+std::size_t narrow(const Primitives& p, const Box3f& box, std::uint32_t* out) {
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < p.size(); i += lane_count()) {
+    Mask hit = touches(box, Ints::load(p.x.data() + i), Ints::load(p.y.data() + i),
+                       Ints::load(p.z.data() + i), Lanes::load(p.reach.data() + i));
+    if (p.size() - i < lane_count()) hit = hn::And(hit, hn::FirstN(float_tag, p.size() - i));
+    const hn::RebindToUnsigned<IntTag> index_tag;
+    const auto index = hn::Iota(index_tag, static_cast<std::uint32_t>(i));
+    n += hn::CompressStore(index, hn::RebindMask(index_tag, hit), index_tag, out + n);
+  }
+  return n;
+}
+
 void decode(const PackedRange& range, const Box3f& box, Primitives& out) {
   constexpr std::size_t most = 8;
   out.reserve(range.count + most);
   const Packed& p = *range.packed;
-  const Lanes metres(static_cast<float>(unit));
-  const auto gap = [&](float lo, float hi, Ints at) {
-    const Lanes c = to_lanes(at) * metres;
-    return max(max(Lanes(lo) - c, c - Lanes(hi)), Lanes(0.f));
-  };
   for (std::size_t i = 0; i < range.count; i += lane_count()) {
     const std::size_t at = range.first + i, left = range.count - i;
     alignas(32) std::int32_t lo[most] = {}, hi[most] = {};
@@ -42,10 +61,7 @@ void decode(const PackedRange& range, const Box3f& box, Primitives& out) {
     const Ints y = (shift_right_unsigned<21>(a) + shift_left<11>(b & Ints(0x3ff))) + Ints(range.cell.y);
     const Ints z = shift_right_unsigned<10>(b) + Ints(range.cell.z);
     const Lanes reach = (r + Lanes(range.beyond)) * Lanes(reach_factor) + Lanes(reach_margin);
-    const Lanes dx = gap(box.lo.x, box.hi.x, x), dy = gap(box.lo.y, box.hi.y, y),
-                dz = gap(box.lo.z, box.hi.z, z);
-    const Lanes far = reach + Lanes(position_slack);
-    Mask hit = dx * dx + dy * dy + dz * dz <= far * far;
+    Mask hit = touches(box, x, y, z, reach);
     if (left < lane_count()) hit = hn::And(hit, hn::FirstN(float_tag, left));
     const auto int_hit = hn::RebindMask(int_tag, hit);
     const std::size_t n = out.count;
@@ -59,7 +75,7 @@ void decode(const PackedRange& range, const Box3f& box, Primitives& out) {
 }
 
 IndexKernels make_index_kernels() {
-  return {&decode};
+  return {&decode, &narrow};
 }
 
 }  // namespace HWY_NAMESPACE

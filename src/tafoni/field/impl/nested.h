@@ -2,6 +2,7 @@
 // Leaves that are neither rasters nor primitives: functions from outside, and trees asked at other positions.
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <span>
@@ -14,6 +15,7 @@ namespace tafoni::field::impl {
 
 class Compiler;
 class PointWork;
+struct Pose;
 
 /// The compiled leaf. `work` is scratch of the leaf's own, of one thread; nothing is kept in it from call to
 /// call.
@@ -47,6 +49,8 @@ class NestedNode {
   virtual int depth_below() const { return 0; }
   /// Outside of it the value is exactly 0, given the same of the child.
   virtual Box3d support(const Box3d& child) const = 0;
+  /// Calls visit(pose) for each place at which the child stands; null where it stays.
+  virtual void each_pose(const std::function<void(const Pose*)>& visit) const { visit(nullptr); }
   virtual std::uint64_t count() const { return 1; }
   virtual std::uint64_t bytes() const = 0;
 };

@@ -102,19 +102,8 @@ void PointWork::narrow(const Program& program) {
     lists_[c] = {&p, iota_.data(), p.size()};
     if (p.size() < worth_it) continue;
     auto& kept = narrowed_[c];
-    kept.resize(p.size());
-    std::size_t n = 0;
-    for (std::uint32_t i = 0; i < p.size(); ++i) {
-      const auto gap = [](float lo, float hi, std::int32_t at) {
-        const float v = static_cast<float>(to_metres(at));
-        return std::max(std::max(lo - v, v - hi), 0.f);
-      };
-      const float dx = gap(box.lo.x, box.hi.x, p.x[i]), dy = gap(box.lo.y, box.hi.y, p.y[i]),
-                  dz = gap(box.lo.z, box.hi.z, p.z[i]);
-      const float far = p.reach[i] + position_slack;
-      kept[n] = i;
-      n += dx * dx + dy * dy + dz * dz <= far * far;
-    }
+    kept.resize(p.size() + pack_size);
+    const std::size_t n = index_kernels().narrow(p, box, kept.data());
     lists_[c] = {&p, kept.data(), n};
   }
 }

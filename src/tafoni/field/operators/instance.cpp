@@ -181,15 +181,20 @@ class Instanced final : public impl::Nested {
     auto& own = work.scratch.points;
     auto& items = work.scratch.items;
     placements_->visit(box, [&](const Pose& pose, float scale) {
-      own.clear();
-      items.clear();
+      const Box3d& shape = placements_->shape();
+      if (!pose.own_box(box).overlaps(shape)) return;
+      own.resize(points.size());
+      for (std::size_t i = 0; i < points.size(); ++i) own[i] = pose.to_own(points[i]);
+      items.resize(points.size());
+      std::size_t n = 0;
       for (std::uint32_t i = 0; i < points.size(); ++i) {
-        const Vec3d p = pose.to_own(points[i]);
-        if (!placements_->shape().contains(p)) continue;
-        own.push_back(p);
-        items.push_back(i);
+        const Vec3d p = own[i];
+        own[n] = p;
+        items[n] = i;
+        n += shape.contains(p);
       }
-      if (!own.empty()) run(pose, scale);
+      own.resize(n);
+      if (n > 0) run(pose, scale);
     });
   }
 
@@ -206,6 +211,9 @@ class InstanceNode final : public impl::NestedNode {
   }
   NodePtr child() const override { return child_; }
   Box3d support(const Box3d&) const override { return placements_->bounds(); }
+  void each_pose(const std::function<void(const Pose*)>& visit) const override {
+    placements_->visit(placements_->bounds(), [&](const Pose& pose, float) { visit(&pose); });
+  }
   std::uint64_t count() const override { return placements_->size(); }
   std::uint64_t bytes() const override { return sizeof(*this) + placements_->bytes(); }
 

@@ -68,6 +68,10 @@ class TransformNode final : public impl::NestedNode {
   }
   NodePtr child() const override { return child_; }
   Box3d support(const Box3d& child) const override { return Pose(placement_).world_box(child); }
+  void each_pose(const std::function<void(const Pose*)>& visit) const override {
+    const Pose pose(placement_);
+    visit(&pose);
+  }
   std::uint64_t bytes() const override { return sizeof(*this); }
 
  private:

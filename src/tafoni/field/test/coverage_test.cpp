@@ -20,5 +20,15 @@ TEST(Coverage, OfDiscsInASquare) {
   EXPECT_THROW(coverage(tree, {{0, 0, 0}, {100, 0, 0}}, 1), Error);
 }
 
+TEST(Coverage, CountsEveryCopy) {
+  CloudBuilder cloud{CloudSettings{}};
+  add_point(cloud, {5, 0, 0}, 5, 1);
+  const NodePtr shape = cloud.finish();
+  const std::vector<Placement> places{{{20, 20, 0}, 1, 0, 1}, {{60, 50, 7}, -2, 0, 2}};
+  const double share =
+      coverage(combine("union", {constant(-1), instances(shape, places)}), {{0, 0, 0}, {100, 100, 0}}, 0.1);
+  EXPECT_NEAR(share, std::numbers::pi * 125 / 10000, 1e-3);
+}
+
 }  // namespace
 }  // namespace tafoni::field

@@ -33,16 +33,16 @@ Rows default_rules() {
       {{"symbol", "Trunk"},
        {"weight", "h < height && !(h > 0.7*height && rho > 0.6)"},
        {"make",
-        "Bed(s = s*(1.15 - c*h/height)*(0.35 + 0.75*rho));"
+        "Bed(s = s*(1.15 - c*h/height)*(0.25 + 0.85*rho));"
         "Trunk(z = bed, x = random(-0.06, 0.06)*s, y = random(-0.06, 0.06)*s)"}},
       {{"symbol", "Trunk"},
        {"weight", "h >= height || (h > 0.7*height && rho > 0.6)"},
        {"make", "Cap(s = s*(1.15 - c))"}},
       {{"symbol", "Bed"},
        {"make",
-        "cylinder(base = 0.7*s - skin, dz = bed, radius = 0.15);"
-        "cylinder(repeat = b, turn = 360*i/n, x = 0.5*s, z = 0.2*bed, dz = 0.6*bed, radius = 0.2,"
-        " base = s*(0.4 + 0.1*sin(a + 97*i)) - skin)"}},
+        "cylinder(base = 0.66*s - skin, dz = bed, radius = 0.15);"
+        "cylinder(repeat = b, turn = 360*i/n, x = 0.58*s, z = 0.2*bed, dz = 0.6*bed, radius = 0.15,"
+        " base = s*(0.4 + 0.12*sin(a + 97*i)) - skin)"}},
       {{"symbol", "Cap"},
        {"weight", "rho"},
        {"make",
@@ -54,6 +54,32 @@ Rows default_rules() {
        {"make",
         "cylinder(base = 0.4*s, dz = bed); ellipsoid(z = bed, hx = 0.6*s, hy = 0.5*s, hz = 0.6*bed, turn = "
         "random(0, 180))"}},
+      // Squat, with a broad head.
+      {{"symbol", "Goblin"},
+       {"make", "cone(z = -s, dz = 1.3*s, base = 1.5*s, tip = 0.6*s); Stem(a = random(0, 360))"}},
+      {{"symbol", "Stem"},
+       {"weight", "h < 0.5*height"},
+       {"make",
+        "cylinder(base = 0.4*s - skin, dz = bed, radius = 0.15);"
+        "ellipsoid(z = 0.5*bed, hx = s*(0.35 + 0.5*rho), hy = s*(0.3 + 0.45*rho), hz = 0.5*bed, radius = "
+        "0.15, turn = a);"
+        "Stem(z = bed, x = random(-0.1, 0.1)*s)"}},
+      {{"symbol", "Stem"}, {"weight", "h >= 0.5*height"}, {"make", "Head(z = 0.2*s)"}},
+      {{"symbol", "Head"},
+       {"weight", "rho"},
+       {"make",
+        "cylinder(z = -0.3*s, base = 0.4*s - skin, dz = 0.6*s);"
+        "ellipsoid(z = 0.15*s, hx = s*random(0.9, 1.2), hy = s*random(0.7, 0.9), hz = 0.4*s, turn = a);"
+        "ellipsoid(repeat = 2, turn = a + 180*i + random(-40, 40), x = 0.5*s, z = random(0, 0.4)*s, hx = "
+        "0.6*s,"
+        " hy = 0.6*s, hz = 0.3*s)"}},
+      {{"symbol", "Head"},
+       {"weight", "1 - rho"},
+       {"make",
+        "ellipsoid(hx = s*random(0.75, 0.95), hy = s*random(0.6, 0.8), hz = 0.45*s, turn = a);"
+        "cylinder(base = 0.35*s - skin, dz = 0.7*s);"
+        "ellipsoid(z = 0.75*s, x = random(-0.15, 0.15)*s, hx = s*random(0.5, 0.7), hy = 0.5*s, hz = 0.35*s, "
+        "turn = random(0, 180))"}},
   };
 }
 
@@ -63,8 +89,10 @@ struct Params {
   double spacing = 0;
   double density = 1;
   std::int64_t count = 2000;
+  std::vector<double> at;
   std::vector<double> slope = {14, 60};
   double ridges = 0.5;
+  double clusters = 0.5;
   double catchment = 0;
   double river = 0;
   double river_area = 20000;
@@ -72,7 +100,8 @@ struct Params {
   double bedding = 0;
   double contrast = 0.35;
   double blend = 0;
-  double roughness = 0.5;
+  double creases = 0.5;
+  double roughness = 0;
   Rows rule = default_rules();
 };
 
@@ -86,10 +115,13 @@ const ParamTable<Params>& table() {
         .real("spacing", &Params::spacing, "m", 0, 2000,
               "least distance from one to the next, 0 for three times the radius")
         .real("density", &Params::density, "", 0, 1,
-              "share of the best places that is taken, 0 for the layer's points alone")
+              "share of the best places that is taken, 0 for none but those that are given")
+        .numbers("at", &Params::at, "m", 0, -1e9, 1e9,
+                 "x and y of places that are given, as many as wanted, besides the layer's points")
         .integer("count", &Params::count, "", 0, 1000000, "most that grow")
         .numbers("slope", &Params::slope, "deg", 2, 0, 90, "slopes of the ground on which they stand")
         .real("ridges", &Params::ridges, "", 0, 1, "how far they keep to crests, 0 for not at all")
+        .real("clusters", &Params::clusters, "", 0, 1, "how far they gather in groups, 0 for not at all")
         .real("catchment", &Params::catchment, "m", 0, 1e6,
               "drainage area per metre of contour above which none stand, 0 for 120 m but 12 pixels at least")
         .real("river", &Params::river, "m", 0, 1e5,
@@ -102,7 +134,9 @@ const ParamTable<Params>& table() {
               "most that a bed is harder or softer than the geology says")
         .real("blend", &Params::blend, "m", 0, 100,
               "over which solids run into one another, 0 for a fifth of the radius")
-        .real("roughness", &Params::roughness, "", 0, 1, "unevenness of the rock")
+        .real("creases", &Params::creases, "", 0, 1,
+              "depth of upright creases and other unevenness of the rock")
+        .real("roughness", &Params::roughness, "", 0, 1, "unevenness of each solid by itself, at a price")
         .rows("rule", &Params::rule, impl::rule_columns(), "the grammar that they grow by; see the manual");
     return t;
   }();
@@ -114,6 +148,7 @@ class Hoodoos {
   Hoodoos(const Site& site, const Params& p, Progress& progress)
       : p_(p), ground_(site), grammar_(p.rule, "hoodoos"), progress_(progress) {
     if (!grammar_.has(p.axiom)) grammar_.grow(p.axiom, {}, impl::Bedding(ground_, 1, 0));
+    if (p.at.size() % 2 != 0) fail(ErrorKind::usage, "hoodoos: at must hold an x and a y for each place");
     if (p.height[0] > p.height[1] || p.slope[0] > p.slope[1])
       fail(ErrorKind::usage, "hoodoos: {} must not begin with the greater number",
            p.height[0] > p.height[1] ? "height" : "slope");
@@ -144,7 +179,10 @@ class Hoodoos {
   /// The user's points come first.
   std::vector<Vec3d> places() {
     std::vector<Vec3d> all;
-    for (Vec3d p : ground_.site().points) {
+    std::vector<Vec3d> given = ground_.site().points;
+    for (std::size_t i = 0; i + 1 < p_.at.size(); i += 2)
+      given.push_back(Vec3d{p_.at[i], p_.at[i + 1], 0} - ground_.site().origin);
+    for (Vec3d p : given) {
       p.z = ground_.height(p.x, p.y);
       if (ground_.usable(p)) all.push_back(p);
     }
@@ -157,6 +195,7 @@ class Hoodoos {
     stand.slope_from = p_.slope[0];
     stand.slope_to = p_.slope[1];
     stand.ridges = p_.ridges;
+    stand.clusters = p_.clusters;
     stand.catchment = p_.catchment > 0 ? p_.catchment : std::max(120.0, 12 * ground_.pixel());
     stand.river = p_.river;
     stand.river_area = p_.river_area;
@@ -171,10 +210,12 @@ class Hoodoos {
   impl::Axiom axiom(Vec3d foot, std::size_t index) const {
     Random random(hash_combine(ground_.site().seed, 0x71), index);
     impl::Axiom axiom;
-    axiom.radius = radius_ * random.uniform(0.75, 1.3);
+    // Many slim ones, few stout ones.
+    axiom.radius = radius_ * (0.65 + 0.85 * std::pow(random.uniform(), 1.6));
     axiom.height = radius_ * random.uniform(p_.height[0], p_.height[1]);
     axiom.turn = random.uniform(0, 6.283185307179586);
     axiom.skin = half_falloff * blend_;
+    axiom.datum = ground_.site().origin.z;
     axiom.seed = random.next();
     double lowest = foot.z;
     for (int k = 0; k < 8; ++k) {
@@ -201,10 +242,12 @@ class Hoodoos {
       }
     Result result;
     std::int64_t primitives = 0;
+    std::vector<field::NodePtr> solids;
     for (auto& [kind, builder] : clouds) {
       primitives += static_cast<std::int64_t>(builder.size());
-      result.nodes.push_back(builder.finish());
+      solids.push_back(builder.finish());
     }
+    if (!solids.empty()) result.nodes.push_back(creased(field::combine("blend", std::move(solids))));
     std::vector<double> positions;
     for (const Vec3d p : feet)
       for (double v :
@@ -215,6 +258,19 @@ class Hoodoos {
                      {"greatest_height_m", highest},
                      {"positions", positions}};
     return result;
+  }
+
+  /// Upright creases and cracks (document 003, figure 5): a warp of short lateral wavelength.
+  field::NodePtr creased(field::NodePtr rock) const {
+    if (p_.creases == 0) return rock;
+    field::WarpSettings warp;
+    const double depth = 0.3 * p_.creases * radius_;
+    warp.amplitude = {depth, depth, 0.3 * depth};
+    warp.lateral = 1.1 * radius_;
+    warp.vertical = 3 * radius_;
+    warp.octaves = 2;
+    warp.seed = hash_combine(ground_.site().seed, 0x73);
+    return field::warp(std::move(rock), nullptr, warp);
   }
 
   field::CloudBuilder cloud(const std::string& kind) const {

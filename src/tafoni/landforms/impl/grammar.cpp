@@ -173,7 +173,7 @@ class Growth {
     values_[6] = around_.resistance(at.position);
     values_[7] = at.position.z - around_.ground(at.position);
     values_[8] = around_.bed(at.position);
-    values_[9] = at.position.z;
+    values_[9] = at.position.z + axiom_.datum;
     values_[10] = at.depth;
     values_[11] = axiom_.height;
     values_[12] = axiom_.radius;

@@ -30,6 +30,7 @@ struct Axiom {
   double turn = 0;                 ///< radians
   double height = 10, radius = 2;  ///< metres; what rules may read as `height` and `radius`; s is the radius
   double skin = 0;                 ///< metres of rock beyond a solid's own surface; `skin` in rules
+  double datum = 0;                ///< world elevation of local zero
   std::uint64_t seed = 0;
 };
 

@@ -7,6 +7,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/erosion.h"
 #include "tafoni/landforms/spatial_hash.h"
+#include "tafoni/math/noise.h"
 #include "tafoni/raster/distance.h"
 #include "tafoni/terrain/analysis.h"
 
@@ -58,12 +59,15 @@ double Stands::chance(double x, double y) const {
   double lowest = p.z, mean = 0;
   for (int k = 0; k < 8; ++k) {
     const double a = 45 * degree * k;
-    const double z = ground_.height(x + 0.5 * set.across * std::cos(a), y + 0.5 * set.across * std::sin(a));
+    const double z = ground_.height(x + set.across * std::cos(a), y + set.across * std::sin(a));
     lowest = std::min(lowest, z);
     mean += z / 8;
   }
-  chance *= 1 - smoothstep(2.2, 3, (p.z - lowest) / (0.5 * set.across));
-  chance *= 1 - set.ridges * (1 - smoothstep(-0.05, 0.1, (p.z - mean) / set.across));
+  chance *= 1 - smoothstep(1.2, 1.8, (p.z - lowest) / set.across);
+  chance *= 1 - set.ridges * (1 - smoothstep(-0.05, 0.12, (p.z - mean) / set.across));
+  const double group = 1 / (8 * set.spacing);
+  const float gathered = fbm({x * group, y * group, 0.37}, 2, hash_combine(set.seed, 0xc1));
+  chance *= 1 - set.clusters * (1 - smoothstep(0.42, 0.58, static_cast<double>(gathered)));
   if (chance == 0) return 0;
   const Vec2d at = ground_.site().heights->placement.pixel(x, y);
   const auto nearest = [&](const raster::Grid<float>& grid, double dx, double dy) {
@@ -97,6 +101,8 @@ std::vector<Vec3d> Stands::places(const std::vector<Vec3d>& taken) const {
     Vec3d at;
     double chance;
   };
+  // A cell is smaller than the spacing, so it holds one at most.
+  std::vector<std::uint8_t> full(static_cast<std::size_t>(columns * rows));
   std::vector<Dart> darts(static_cast<std::size_t>(columns * rows));
   SpatialHash apart(2 * settings_.spacing);
   for (const Vec3d p : taken) apart.insert({p.x, p.y, 0});
@@ -107,6 +113,8 @@ std::vector<Vec3d> Stands::places(const std::vector<Vec3d>& taken) const {
     };
     parallel_blocks(rows, 4, [&](std::int64_t from, std::int64_t to) {
       for (std::int64_t i = from * columns; i < to * columns; ++i) {
+        darts[static_cast<std::size_t>(i)].chance = 0;
+        if (full[static_cast<std::size_t>(i)] != 0) continue;
         const Vec3d p{box.lo.x + cell * (static_cast<double>(i % columns) + fraction(number(i, 0))),
                       box.lo.y + cell * (static_cast<double>(i / columns) + fraction(number(i, 1))), 0};
         darts[static_cast<std::size_t>(i)] = {p, chance(p.x, p.y)};
@@ -116,6 +124,7 @@ std::vector<Vec3d> Stands::places(const std::vector<Vec3d>& taken) const {
       const Dart& dart = darts[static_cast<std::size_t>(i)];
       if (dart.chance <= 0 || apart.any_near(dart.at, settings_.spacing)) continue;
       apart.insert(dart.at);
+      full[static_cast<std::size_t>(i)] = 1;
       const std::uint64_t lot = number(i, 2);
       if (fraction(lot) < dart.chance) kept.emplace_back(mix64(lot), dart.at);
     }

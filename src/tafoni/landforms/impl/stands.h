@@ -16,6 +16,7 @@ struct StandSettings {
   double density = 1;                     ///< share of the possible places that is taken
   double slope_from = 15, slope_to = 60;  ///< degrees
   double ridges = 0;                      ///< in [0, 1]: how far they keep to crests
+  double clusters = 0;                    ///< in [0, 1]: how far they gather in groups
   double catchment = 60;                  ///< metres: drainage area per metre of contour
   double river = 0;                       ///< metres to the nearest river; 0: anywhere
   double river_area = 1e5;                ///< m^2 that make a river

@@ -37,6 +37,11 @@ class Arena {
     if (n) std::memcpy(static_cast<void*>(to.data()), from, n * sizeof(T));
     return to;
   }
+  /// Makes all that was handed out invalid and uses the last block again.
+  void clear() {
+    if (blocks_.size() > 1) blocks_.erase(blocks_.begin(), blocks_.end() - 1);
+    used_ = 0;
+  }
 
  private:
   struct Free {

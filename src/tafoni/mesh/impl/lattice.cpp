@@ -40,14 +40,14 @@ float margin_for(std::int64_t cells) {
   return static_cast<float>(std::max(needed, 0x1p-7));
 }
 
-CellSet::CellSet(const Box3d& bounds, const PolygonizeSettings& settings) {
+CellSet::Limits CellSet::limits(const Box3d& bounds, const PolygonizeSettings& settings) {
   const double voxel = settings.voxel;
   if (!(voxel > 0) || !std::isfinite(voxel))
     fail(ErrorKind::usage, "a voxel of {} m cannot be used: give a size above 0", voxel);
   const Box3d region = settings.region.empty() ? bounds : settings.region;
-  if (region.empty()) return;
-  const double limits[] = {region.lo.x, region.lo.y, region.hi.x, region.hi.y};
-  for (double limit : limits)
+  if (region.empty()) return {};
+  const double sides[] = {region.lo.x, region.lo.y, region.hi.x, region.hi.y};
+  for (double limit : sides)
     if (!(std::abs(limit / voxel) < most_cells))
       fail(ErrorKind::usage,
            "the region to mesh has no end or is too large for a voxel of {} m: give a region", voxel);
@@ -57,8 +57,13 @@ CellSet::CellSet(const Box3d& bounds, const PolygonizeSettings& settings) {
   const double bottom = region.lo.z <= bounds.lo.z ? -most_cells * voxel : region.lo.z;
   const double top = region.hi.z >= bounds.hi.z ? most_cells * voxel : region.hi.z;
   const Range z = cells_of(bottom, top, voxel, settings.boundary);
-  lo_ = {x.lo, y.lo, z.lo};
-  hi_ = {x.hi, y.hi, z.hi};
+  return {{x.lo, y.lo, z.lo}, {x.hi, y.hi, z.hi}};
+}
+
+CellSet::CellSet(const Box3d& bounds, const PolygonizeSettings& settings) {
+  const Limits box = limits(bounds, settings);
+  lo_ = box.lo;
+  hi_ = box.hi;
   if (!empty() && settings.boundary == Boundary::open && settings.inside) choose_columns(settings);
 }
 

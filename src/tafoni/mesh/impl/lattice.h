@@ -20,6 +20,14 @@ class CellSet {
  public:
   CellSet(const Box3d& bounds, const PolygonizeSettings& settings);
 
+  struct Limits {
+    Vec3i lo, hi;  ///< cells, hi exclusive
+    friend bool operator==(const Limits&, const Limits&) = default;
+  };
+  /// The box of the set, without its columns.
+  static Limits limits(const Box3d& bounds, const PolygonizeSettings& settings);
+  Limits limits() const { return {lo_, hi_}; }
+
   /// Chunks that hold cells of the set, first to last.
   Vec3i first_chunk() const { return chunk_of(lo_); }
   Vec3i last_chunk() const { return chunk_of({hi_.x - 1, hi_.y - 1, hi_.z - 1}); }

@@ -2,6 +2,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstring>
+
+#include "tafoni/core/error.h"
 
 namespace tafoni::mesh::impl {
 namespace {
@@ -45,7 +48,8 @@ bool PieceMaker::choose_cells(const field::ChunkSamples& samples) {
   return any;
 }
 
-bool PieceMaker::make(const field::ChunkSamples& samples, SampleSource& source, Piece& out) {
+bool PieceMaker::make(const field::ChunkSamples& samples, SampleSource& source, Piece& out,
+                      const Kept* kept) {
   const double start = now();
   out = Piece{};
   out.chunk = samples.chunk;
@@ -63,8 +67,13 @@ bool PieceMaker::make(const field::ChunkSamples& samples, SampleSource& source, 
   positions_.clear();
   points_.clear();
   indices_.clear();
-  open_.clear();
-  walker_.walk(samples_, n + 1, n + 1, n + 1, plane_.row_step, plane_.plane_step, *this, *this);
+  edges_.clear();
+  fresh_.clear();
+  normals_out_.clear();
+  kept_ = kept;
+  kept_at_ = 0;
+  walker_.walk(samples_, n + 1, n + 1, n + 1, plane_.row_step, plane_.plane_step, *this, *this,
+               kept ? kept->signs : nullptr);
   const std::size_t count = walker_.vertex_count();
   if (count == 0) return false;
   out.cut_cells = walker_.cut_cells();
@@ -72,7 +81,8 @@ bool PieceMaker::make(const field::ChunkSamples& samples, SampleSource& source, 
   out.positions = arena_->copy(p, count);
   const auto* t = reinterpret_cast<const std::array<std::uint32_t, 3>*>(indices_.data());
   out.triangles = arena_->copy(t, indices_.size() / 3);
-  if (parts_) find_parts(out);
+  if (kept) out.edges = arena_->copy(edges_.data(), count);
+  if (parts_) find_parts(out, parents_);
   const double middle = now();
   triangles_seconds += middle - start;
   if (normals_) find_normals(source, out);
@@ -90,11 +100,34 @@ void PieceMaker::vertices(int k, const PlaneOutput& out) {
   place(plane_, out.keys.data(), count, positions_.end(), normals_ ? points_.end() : nullptr, nullptr);
   positions_.commit(3 * count);
   if (normals_) points_.commit(3 * count);
+  if (kept_) take_over(k, out);
   const EdgeKey* keys = out.keys.data();
   for (std::size_t v = 0; v < count; ++v) {
     const int i = key_i(keys[v]), j = key_j(keys[v]);
     if (((i & (n - 1)) == 0) | ((j & (n - 1)) == 0) | ((k & (n - 1)) == 0) | !whole_)
       note_border(k, keys[v], out.first + static_cast<std::uint32_t>(v));
+  }
+}
+
+/// Notes the edges of plane k's vertices, puts in place what is kept and lists what is not.
+void PieceMaker::take_over(int k, const PlaneOutput& out) {
+  const std::span<std::uint32_t> old = kept_->piece.edges;
+  const std::size_t count = out.keys.size();
+  normals_out_.resize(normals_ ? out.first + count : 0);
+  for (std::size_t v = 0; v < count; ++v) {
+    const EdgeKey key = out.keys.data()[v];
+    const int i = key_i(key), j = key_j(key), axis = key_axis(key);
+    const auto edge = static_cast<std::uint32_t>(((k * (n + 1) + j) * 3 + axis) * (n + 1) + i);
+    edges_.push_back(edge);
+    if (!kept_->holds(i, j, k, axis)) {
+      fresh_.push_back(out.first + static_cast<std::uint32_t>(v));
+      continue;
+    }
+    while (kept_at_ < old.size() && old[kept_at_] < edge) ++kept_at_;
+    if (kept_at_ == old.size() || old[kept_at_] != edge)
+      fail(ErrorKind::usage, "a field changed outside of the boxes that were said to hold every change");
+    std::memcpy(positions_.data() + 3 * (out.first + v), &kept_->piece.positions[kept_at_], sizeof(Vec3f));
+    if (normals_) normals_out_[out.first + v] = kept_->piece.normals[kept_at_];
   }
 }
 
@@ -118,7 +151,7 @@ void PieceMaker::note_border(int k, EdgeKey key, std::uint32_t vertex) {
       cell[b] -= c >> 1;
       inside = inside && set_.cell(cell[0], cell[1], cell[2]);
     }
-    if (!inside) open_.push_back(vertex);
+    if (!inside) piece_->open.push_back(vertex);
   }
   const bool on_a = at[a] == 0 || at[a] == n, on_b = at[b] == 0 || at[b] == n;
   if (on_a && on_b) {
@@ -135,42 +168,49 @@ void PieceMaker::note_border(int k, EdgeKey key, std::uint32_t vertex) {
 }
 
 void PieceMaker::find_normals(SampleSource& source, Piece& out) {
-  const std::size_t count = out.positions.size();
+  auto* points = reinterpret_cast<Vec3d*>(points_.data());
+  std::size_t count = out.positions.size();
+  if (kept_) {
+    count = 0;
+    for (std::uint32_t v : fresh_) points[count++] = points[v];
+  }
   values_.resize(count);
   gradients_.resize(count);
-  source.gradients({reinterpret_cast<const Vec3d*>(points_.data()), count}, values_, gradients_);
+  source.gradients({points, count}, values_, gradients_);
   for (Vec3f& g : gradients_) {
     const float l = length(g);
     // A field may be flat along its own zero set; up is as good as any other direction, on both sides of a
     // seam.
     g = l > 0 && std::isfinite(l) ? g * (-1.0f / l) : Vec3f{0, 0, 1};
   }
-  out.normals = arena_->copy(gradients_.data(), count);
+  if (kept_)
+    for (std::size_t f = 0; f < count; ++f) normals_out_[fresh_[f]] = gradients_[f];
+  out.normals = arena_->copy(kept_ ? normals_out_.data() : gradients_.data(), out.positions.size());
 }
 
-void PieceMaker::find_parts(Piece& out) {
+void find_parts(Piece& out, std::vector<std::uint32_t>& parents) {
   const auto count = static_cast<std::uint32_t>(out.positions.size());
-  parents_.resize(count);
-  for (std::uint32_t v = 0; v < count; ++v) parents_[v] = v;
+  parents.resize(count);
+  for (std::uint32_t v = 0; v < count; ++v) parents[v] = v;
   const auto root = [&](std::uint32_t v) {
-    while (parents_[v] != v) v = parents_[v] = parents_[parents_[v]];
+    while (parents[v] != v) v = parents[v] = parents[parents[v]];
     return v;
   };
   const auto join = [&](std::uint32_t a, std::uint32_t b) {
-    if (parents_[a] == parents_[b]) return;
+    if (parents[a] == parents[b]) return;
     const std::uint32_t ra = root(a), rb = root(b);
     if (ra < rb)
-      parents_[rb] = ra;
+      parents[rb] = ra;
     else
-      parents_[ra] = rb;
+      parents[ra] = rb;
   };
   for (const auto& t : out.triangles) join(t[0], t[1]), join(t[1], t[2]);
   // Roots are the lowest vertex of their part, so one pass in order numbers them.
   std::vector<std::uint32_t> labels(count);
   std::uint32_t parts = 0;
   for (std::uint32_t v = 0; v < count; ++v) {
-    parents_[v] = root(v);
-    labels[v] = parents_[v] == v ? parts++ : labels[parents_[v]];
+    parents[v] = root(v);
+    labels[v] = parents[v] == v ? parts++ : labels[parents[v]];
   }
   out.parts.assign(parts, Part{});
   for (const auto& t : out.triangles) {
@@ -179,7 +219,7 @@ void PieceMaker::find_parts(Piece& out) {
     part.volume += dot(a, cross(b, to_double(out.positions[t[2]]))) / 6;
     ++part.triangles;
   }
-  for (std::uint32_t v : open_) out.parts[labels[v]].open = true;
+  for (std::uint32_t v : out.open) out.parts[labels[v]].open = true;
   if (parts > 1) out.labels = std::move(labels);
 }
 

@@ -56,9 +56,29 @@ struct Piece {
   std::vector<CornerVertex> corners;
   std::vector<Part> parts;            ///< empty when not asked for
   std::vector<std::uint32_t> labels;  ///< part of each vertex; empty when there is one part
+  std::vector<std::uint32_t> open;    ///< vertices on the border of the meshed cells
+  std::span<std::uint32_t> edges;     ///< the edge of each vertex, ascending; empty when not asked for
   std::uint64_t cut_cells = 0;
 
   std::uint32_t part_of(std::uint32_t vertex) const { return labels.empty() ? 0 : labels[vertex]; }
+};
+
+/// Fills `parts` and `labels`. `parents` is scratch.
+void find_parts(Piece& piece, std::vector<std::uint32_t>& parents);
+
+/// What a chunk's samples leave of its last piece, for making it anew: lattice edges of the chunk with no end
+/// among the samples [lo, hi] carry the vertices that they did.
+struct Kept {
+  const Piece& piece;  ///< with its edges
+  Vec3i lo, hi;        ///< samples within the chunk, both included
+  /// Solid bits of all samples, 65 rows of two words a plane, valid wherever an active brick needs them; the
+  /// samples themselves need to be valid in [lo, hi] and one beyond.
+  const std::uint64_t* signs;
+
+  bool holds(int i, int j, int k, int axis) const {
+    return i + (axis == 0) < lo.x || i > hi.x || j + (axis == 1) < lo.y || j > hi.y ||
+           k + (axis == 2) < lo.z || k > hi.z;
+  }
 };
 
 /// Makes pieces; one a thread, its memory reused from chunk to chunk.
@@ -67,11 +87,16 @@ class PieceMaker {
   PieceMaker(const CellSet& cells, double voxel, bool normals, bool parts)
       : set_(cells), voxel_(voxel), normals_(normals), parts_(parts), margin_(margin_for(cells.reach())) {}
 
-  /// False when no cell of the chunk is cut. `source` has just evaluated `samples`.
-  bool make(const field::ChunkSamples& samples, SampleSource& source, Piece& out);
+  /// False when no cell of the chunk is cut. `source` has just evaluated `samples`. With `kept` pieces get
+  /// edges, and vertices that it holds are taken over.
+  bool make(const field::ChunkSamples& samples, SampleSource& source, Piece& out, const Kept* kept = nullptr);
 
   /// Where the pieces made so far live; the maker goes on in a new one.
   std::unique_ptr<Arena> take_arena() { return std::exchange(arena_, std::make_unique<Arena>()); }
+  /// Vertices of the last piece that were not kept.
+  std::size_t fresh_vertices() const { return fresh_.size(); }
+  /// Makes the pieces made so far invalid, to use their memory again.
+  void forget_pieces() { arena_->clear(); }
 
   /// Prepares and reports on the cells of a chunk; for BlockWalker.
   bool layer(int k) const { return k >= 0 && k < field::chunk_cells && layers_[static_cast<std::size_t>(k)]; }
@@ -88,7 +113,7 @@ class PieceMaker {
   bool choose_cells(const field::ChunkSamples& samples);
   void note_border(int k, EdgeKey key, std::uint32_t vertex);
   void find_normals(SampleSource& source, Piece& out);
-  void find_parts(Piece& out);
+  void take_over(int k, const PlaneOutput& out);
 
   const CellSet& set_;
   double voxel_;
@@ -107,7 +132,11 @@ class PieceMaker {
   Buffer<float> positions_;
   Buffer<double> points_;
   Buffer<std::uint32_t> indices_;
-  std::vector<std::uint32_t> open_;  ///< vertices on the border of the meshed cells
+  const Kept* kept_ = nullptr;
+  std::size_t kept_at_ = 0;           ///< how far kept_'s edges are read
+  std::vector<std::uint32_t> edges_;  ///< of the vertices so far
+  std::vector<std::uint32_t> fresh_;  ///< vertices whose normals are to be found
+  std::vector<Vec3f> normals_out_;
   std::vector<float> values_;
   std::vector<Vec3f> gradients_;
   std::vector<std::uint32_t> parents_;

@@ -12,9 +12,22 @@
 namespace tafoni::scene {
 
 const std::vector<ParamInfo>& params_of_layer(std::string_view type) {
+  struct Sculpt {
+    std::string strokes, journal;
+    bool settle = true;
+  };
+  static const std::vector<ParamInfo> sculpt =
+      ParamTable<Sculpt>()
+          .text("strokes", &Sculpt::strokes, "Path of a text file of strokes, which come first")
+          .text("journal", &Sculpt::journal,
+                "Path of the journal of strokes that tafoni sculpt and editors make")
+          .boolean("settle", &Sculpt::settle,
+                   "Limits the field of earlier layers to the terrain's amplitude, so that strokes fill "
+                   "their caves as they fill open air");
   if (type == primitives_layer) return impl::primitives_params();
+  if (type == sculpt_layer) return sculpt;
 
-  std::vector<std::string> known = {std::string(primitives_layer)};
+  std::vector<std::string> known = {std::string(primitives_layer), std::string(sculpt_layer)};
   for (const landforms::LandformType* landform : landforms::all_landforms()) {
     if (landform->name == type) return landform->params;
     known.push_back(landform->name);

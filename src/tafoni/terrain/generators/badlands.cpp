@@ -20,10 +20,10 @@ namespace {
 using impl::PlaneNoise;
 
 struct Badlands : GridSettings {
-  double relief = 90;
+  double relief = 60;
   double bowl = 0.62;
-  double slope = 36;
-  double fins = 16;
+  double slope = 22;
+  double fins = 20;
   double incision = 1;
   double bed = 5;
   double ledges = 0.6;
@@ -141,7 +141,7 @@ class Builder {
       const double t = inside / run;
       // A cliff at the rim, then a slope that flattens out.
       const double fall =
-          t <= 0 ? 0 : 0.22 * smooth(t / 0.08) + 0.78 * (1 - std::exp(-1.9 * t)) / (1 - std::exp(-1.9));
+          t <= 0 ? 0 : 0.15 * smooth(t / 0.06) + 0.85 * (1 - std::exp(-1.5 * t)) / (1 - std::exp(-1.5));
       const double floor = 0.045 * at[i].y;
       const double plateau = p_.relief * (1 + 0.04 * at[i].y / extent_.y);
       const double z = floor + (plateau - floor) * std::max(0.0, 1 - std::min(fall, 1.0));

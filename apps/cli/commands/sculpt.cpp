@@ -1,0 +1,144 @@
+#include <iostream>
+#include <iterator>
+#include <memory>
+
+#include "command.h"
+#include "scene_run.h"
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "tafoni/core/error.h"
+#include "tafoni/scene/csv.h"
+#include "tafoni/scene/session.h"
+
+namespace tafoni::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Sculpt {
+  std::string scene_file, layer, strokes_file, write;
+  std::vector<std::string> strokes;
+  std::optional<std::int64_t> undo, redo, mute, unmute;
+  bool list = false;
+  SceneOptions scene;
+  OutputOptions outputs;
+};
+
+std::vector<scene::Stroke> strokes_of(const Sculpt& s) {
+  std::vector<scene::Stroke> out;
+  for (const std::string& text : s.strokes)
+    out.push_back(scene::parse_stroke(text, fmt::format("--stroke \"{}\"", text)));
+  if (s.strokes_file.empty()) return out;
+  const bool standard_input = s.strokes_file == "-";
+  const std::string text =
+      standard_input ? std::string(std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>())
+                     : scene::read_text(s.strokes_file);
+  const auto more = scene::parse_strokes(text, standard_input ? "standard input" : s.strokes_file);
+  out.insert(out.end(), more.begin(), more.end());
+  return out;
+}
+
+void print_list(const std::vector<scene::Journal::Entry>& strokes, Console& console) {
+  if (console.json()) {
+    Json list = Json::array();
+    for (const auto& entry : strokes)
+      list.push_back({{"id", entry.id}, {"muted", entry.muted}, {"stroke", scene::to_text(*entry.stroke)}});
+    console.result(list.dump(2) + "\n");
+    return;
+  }
+  std::string out;
+  for (const auto& entry : strokes)
+    out += fmt::format("{:>6} {} {}\n", entry.id > 0 ? std::to_string(entry.id) : "file",
+                       entry.muted ? "muted" : "     ", scene::to_text(*entry.stroke));
+  console.result(out);
+}
+
+std::string as_file(const std::vector<scene::Journal::Entry>& strokes) {
+  std::string out =
+      "# Strokes of a sculpt layer, one a line; strokes = \"THIS FILE\" in the layer reads them.\n";
+  for (const auto& entry : strokes)
+    if (!entry.muted) out += scene::to_text(*entry.stroke) + "\n";
+  return out;
+}
+
+/// What changes the journal, in the order in which --help names it.
+void edit(const Sculpt& s, scene::Session& session, std::size_t layer,
+          const std::vector<scene::Stroke>& strokes, Console& console) {
+  const auto count = [](std::size_t n) { return fmt::format("{} stroke{}", n, n == 1 ? "" : "s"); };
+  if (s.undo)
+    console.print(fmt::format("undone  {}\n", count(session.undo(layer, static_cast<std::size_t>(*s.undo)))));
+  if (s.redo)
+    console.print(fmt::format("redone  {}\n", count(session.redo(layer, static_cast<std::size_t>(*s.redo)))));
+  if (s.mute) session.mute_stroke(layer, *s.mute, true);
+  if (s.unmute) session.mute_stroke(layer, *s.unmute, false);
+  if (strokes.empty()) return;
+  session.stroke(layer, strokes);
+  console.print(
+      fmt::format("stored  {} in {}\n", count(strokes.size()),
+                  session.document()
+                      .resolved(std::get<std::string>(session.document().layers[layer].values.at("journal")))
+                      .string()));
+}
+
+int run(const Sculpt& s, Console& console) {
+  if (!is_scene_file(s.scene_file))
+    fail(ErrorKind::usage,
+         "{}: strokes are kept with a scene file; make one with tafoni amplify --save-scene", s.scene_file);
+  const bool changes =
+      !s.strokes.empty() || !s.strokes_file.empty() || s.undo || s.redo || s.mute || s.unmute;
+  const bool builds = !s.outputs.mesh.empty() || !s.outputs.preview.empty() || !s.outputs.report.empty();
+  if (!changes && !builds && !s.list && s.write.empty())
+    fail(ErrorKind::usage,
+         "nothing to do: give --stroke, --strokes, --undo, --redo, --mute, --unmute, --list or --write");
+  const auto strokes = strokes_of(s);
+  scene::Session session = scene::Session::open(s.scene_file);
+  const std::size_t layer = session.sculpt_layer(s.layer);
+  edit(s, session, layer, strokes, console);
+  if (s.list) print_list(session.strokes(layer), console);
+  if (!s.write.empty()) {
+    check_output(s.write, inputs_of(session.document()));
+    write_file(s.write, as_file(session.strokes(layer)));
+  }
+  if (!builds) return 0;
+  scene::Document document = session.document();
+  s.scene.apply(document);
+  run_scene(document, s.scene_file, s.outputs, console);
+  return 0;
+}
+
+std::function<int(Console&)> setup(Args& args) {
+  auto s = std::make_shared<Sculpt>();
+  args.positional("SCENE", s->scene_file, "Scene file (.toml)");
+  args.text("--layer", "NAME", s->layer, "Sculpt layer; made if there is none; default: the last one");
+  args.group("Strokes");
+  args.texts("--stroke", "STROKE", s->strokes,
+             "Brush, points and parameters, as in \"sphere at=10,20,5 radius=4\"; may be repeated");
+  args.text("--strokes", "FILE", s->strokes_file,
+            "File of strokes, one a line or JSON; - reads standard input");
+  args.integer("--undo", "N", s->undo, 1, 1000000000, "Take back the last N strokes");
+  args.integer("--redo", "N", s->redo, 1, 1000000000, "Bring back N strokes");
+  args.integer("--mute", "ID", s->mute, 1, std::int64_t{1} << 53,
+               "Leave a stroke out, without forgetting it");
+  args.integer("--unmute", "ID", s->unmute, 1, std::int64_t{1} << 53, "Let a stroke act again");
+  args.flag("--list", s->list, "Print the layer's strokes with their ids");
+  args.text("--write", "FILE", s->write,
+            "Write the layer's strokes as a text file, for a layer's strokes key");
+  s->scene.declare(args);
+  s->outputs.declare(args);
+  return [s](Console& console) { return run(*s, console); };
+}
+
+}  // namespace
+
+const Command& command_sculpt() {
+  static const Command command = {
+      "sculpt", "Add strokes to a scene, or take them back",
+      "  tafoni sculpt scene.toml --stroke \"sphere at=120,80,14 radius=6\" --preview view.png\n"
+      "  tafoni sculpt scene.toml --stroke \"cave at=120,80,14/150,95,12 radius=3 chambers=1\"\n"
+      "  tafoni sculpt scene.toml --undo 2 --list",
+      setup};
+  return command;
+}
+
+}  // namespace tafoni::cli

@@ -1,0 +1,103 @@
+#pragma once
+// From the strokes of a sculpt layer to its node.
+//
+// Strokes act in their order: a stroke that adds fills what earlier ones carved. The layer is one sum S, kept
+// within
+// [-L, L] after every run of strokes that carve alike or add alike, so that repeating a stroke piles up
+// nothing:
+//
+//   S = clamp(... clamp(clamp(run 1) + run 2) ... + run n), added to the tree below.
+//
+// Runs end where the mode changes and at every group of `group_size` places in the list. A place keeps its
+// group whatever happens to strokes before it but for insertion, so that appending, muting, undoing and
+// redoing cook one group again and change no value, not a bit of it, outside of the stroke's own support.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tafoni/field/tree.h"
+#include "tafoni/landforms/region.h"
+#include "tafoni/raster/grid.h"
+#include "tafoni/scene/impl/digest.h"
+#include "tafoni/scene/impl/recent.h"
+#include "tafoni/scene/stroke.h"
+
+namespace tafoni::scene::impl {
+
+/// A place in the list of a layer's strokes.
+struct Slot {
+  std::shared_ptr<const Stroke> stroke;
+  bool muted = false;
+  friend bool operator==(const Slot&, const Slot&) = default;
+};
+
+/// What strokes are cooked for.
+struct SculptFrame {
+  Vec3d origin;            ///< world position of local zero
+  double amplitude = 7.5;  ///< T
+  std::uint64_t seed = 0;  ///< of the layer
+  const landforms::Region* region = nullptr;
+  Digest region_digest;
+};
+
+struct CookedStroke;
+
+/// One run of strokes of one group.
+struct SculptRun {
+  std::size_t first = 0, end = 0;  ///< places within the group
+  bool adds = false;
+  std::vector<field::NodePtr> clouds;
+};
+
+struct SculptGroup {
+  std::vector<Slot> slots;
+  std::vector<std::shared_ptr<const CookedStroke>> cooked;  ///< by place; null where muted
+  std::vector<SculptRun> runs;
+  Digest digest;
+};
+
+struct Sculpted {
+  std::vector<std::shared_ptr<const SculptGroup>> groups;
+  field::NodePtr node;  ///< S; null where no stroke does anything
+  Digest digest;
+};
+
+/// Keeps what it cooked.
+class SculptCook {
+ public:
+  static constexpr std::size_t group_size = 128;
+
+  std::shared_ptr<const Sculpted> cook(std::span<const Slot> slots, const SculptFrame& frame);
+  /// Strokes cooked and groups put together since the beginning, for tests of what is reused.
+  std::uint64_t strokes_cooked = 0, groups_cooked = 0;
+
+ private:
+  std::shared_ptr<const CookedStroke> cook_stroke(const std::shared_ptr<const Stroke>& stroke,
+                                                  const SculptFrame& frame, const Digest& frame_digest);
+  std::shared_ptr<const SculptGroup> cook_group(std::span<const Slot> slots, const SculptFrame& frame,
+                                                const Digest& frame_digest);
+
+  using StrokeKey = std::pair<const Stroke*, Digest>;
+  struct KeptStroke {
+    std::shared_ptr<const Stroke> stroke;  ///< keeps the key's address its own
+    std::shared_ptr<const CookedStroke> cooked;
+  };
+  Recent<StrokeKey, KeptStroke> strokes_{1 << 20};
+  /// By the addresses of their strokes, which they keep alive.
+  Recent<Digest, std::shared_ptr<const SculptGroup>> groups_{1024};
+};
+
+/// Appends boxes outside of which both layers have the same values, bit for bit. Either may be null.
+void changed_boxes(const Sculpted* before, const Sculpted* now, std::vector<Box3d>& out);
+
+/// The mask `name` that the strokes paint: one pixel a pixel of `like`, weights in [0, 1], in the frame of
+/// `like`, whose origin in the world is `origin`.
+raster::Raster painted(std::span<const Slot> slots, std::string_view name, const raster::Raster& like,
+                       Vec3d origin);
+/// Of the strokes that paint `name`.
+Digest painted_digest(std::span<const Slot> slots, std::string_view name);
+
+}  // namespace tafoni::scene::impl

@@ -1,0 +1,258 @@
+#include "tafoni/scene/session.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "tafoni/core/error.h"
+#include "tafoni/scene/csv.h"
+#include "tafoni/scene/impl/builder.h"
+#include "tafoni/scene/impl/sculpt.h"
+
+namespace tafoni::scene {
+
+namespace fs = std::filesystem;
+
+struct Session::State {
+  Document document;
+  fs::path file;
+  impl::Builder builder;
+  std::optional<impl::Built> built;
+  std::map<fs::path, Journal> journals;
+  impl::FileDigests files;
+  impl::Recent<std::pair<fs::path, impl::Digest>, std::vector<impl::Slot>> texts{16};
+
+  const Layer& sculpt(std::size_t index) const {
+    if (index >= document.layers.size() || document.layers[index].type != scene::sculpt_layer)
+      fail(ErrorKind::usage, "layer {} takes no strokes; only a sculpt layer does", index);
+    return document.layers[index];
+  }
+
+  static std::string value(const Layer& layer, std::string_view name) {
+    const auto found = layer.values.find(name);
+    return found == layer.values.end() ? std::string() : std::get<std::string>(found->second);
+  }
+
+  /// Null for a layer without one.
+  Journal* journal(const Layer& layer) {
+    const std::string path = value(layer, "journal");
+    if (path.empty()) return nullptr;
+    const fs::path resolved = document.resolved(path);
+    const auto found = journals.find(resolved);
+    if (found != journals.end()) return &found->second;
+    return &journals.emplace(resolved, Journal::open(resolved)).first->second;
+  }
+
+  const std::vector<impl::Slot>& text_slots(const Layer& layer) {
+    static const std::vector<impl::Slot> none;
+    const std::string path = value(layer, "strokes");
+    if (path.empty()) return none;
+    const fs::path resolved = document.resolved(path);
+    return texts.get({resolved, files.of(resolved)}, [&] {
+      std::vector<impl::Slot> out;
+      for (Stroke& stroke : parse_strokes(read_text(resolved), resolved.string()))
+        out.push_back({std::make_shared<Stroke>(std::move(stroke)), false});
+      return out;
+    });
+  }
+
+  std::vector<impl::Slot> slots(const Layer& layer) {
+    std::vector<impl::Slot> out = text_slots(layer);
+    if (Journal* j = journal(layer))
+      for (const Journal::Entry& entry : j->strokes()) out.push_back({entry.stroke, entry.muted});
+    return out;
+  }
+
+  /// A name beside the scene that is free, or that of a journal without strokes, as a crash may leave one.
+  std::string new_journal_name(const Layer& layer) const {
+    for (int n = 1;; ++n) {
+      const std::string name = fmt::format("{}.{}{}.journal", file.stem().string(), shown_name(layer),
+                                           n > 1 ? fmt::format("-{}", n) : "");
+      const bool used = std::any_of(document.layers.begin(), document.layers.end(),
+                                    [&](const Layer& other) { return value(other, "journal") == name; });
+      const fs::path path = file.parent_path() / name;
+      std::error_code code;
+      if (!used && (!fs::exists(path, code) || Journal::open(path).history().empty())) return name;
+    }
+  }
+};
+
+Session::Session(Document document, fs::path file) : state_(std::make_unique<State>()) {
+  check(document, file.empty() ? "the scene" : file.string());
+  state_->document = std::move(document);
+  state_->file = std::move(file);
+}
+Session::~Session() = default;
+Session::Session(Session&&) noexcept = default;
+Session& Session::operator=(Session&&) noexcept = default;
+
+Session Session::open(const fs::path& file) {
+  return Session(load_scene(file), file);
+}
+
+const Document& Session::document() const {
+  return state_->document;
+}
+
+const fs::path& Session::file() const {
+  return state_->file;
+}
+
+void Session::change(const std::function<void(Document&)>& edit) {
+  Document copy = state_->document;
+  edit(copy);
+  check(copy, state_->file.empty() ? "the scene" : state_->file.string());
+  state_->document = std::move(copy);
+}
+
+void Session::set(std::string_view assignment) {
+  change([&](Document& d) { scene::set(d, assignment); });
+}
+
+std::size_t Session::add_layer(Layer layer, std::size_t at) {
+  at = std::min(at, state_->document.layers.size());
+  change([&](Document& d) {
+    d.layers.insert(d.layers.begin() + static_cast<std::ptrdiff_t>(at), std::move(layer));
+  });
+  return at;
+}
+
+namespace {
+
+Layer& layer_at(Document& document, std::size_t index) {
+  if (index >= document.layers.size())
+    fail(ErrorKind::usage, "there is no layer {}; the scene has {}", index, document.layers.size());
+  return document.layers[index];
+}
+
+}  // namespace
+
+void Session::remove_layer(std::size_t layer) {
+  change([&](Document& d) {
+    layer_at(d, layer);
+    d.layers.erase(d.layers.begin() + static_cast<std::ptrdiff_t>(layer));
+  });
+}
+
+void Session::move_layer(std::size_t from, std::size_t to) {
+  change([&](Document& d) {
+    Layer moved = layer_at(d, from);
+    d.layers.erase(d.layers.begin() + static_cast<std::ptrdiff_t>(from));
+    to = std::min(to, d.layers.size());
+    d.layers.insert(d.layers.begin() + static_cast<std::ptrdiff_t>(to), std::move(moved));
+  });
+}
+
+void Session::mute_layer(std::size_t layer, bool muted) {
+  change([&](Document& d) { layer_at(d, layer).settings.enabled = !muted; });
+}
+
+void Session::reseed_layer(std::size_t layer, std::int64_t seed) {
+  if (seed < -1) fail(ErrorKind::usage, "a layer's seed is -1 or more, not {}", seed);
+  change([&](Document& d) { layer_at(d, layer).settings.seed = seed; });
+}
+
+void Session::save() {
+  State& s = *state_;
+  if (s.file.empty()) fail(ErrorKind::usage, "the scene has no file yet; save it under a name first");
+  save_scene(s.document, s.file);
+  s.document = load_scene(s.file);
+}
+
+std::size_t Session::sculpt_layer(std::string_view name) {
+  const auto& layers = state_->document.layers;
+  for (std::size_t i = layers.size(); i-- > 0;) {
+    if (!name.empty() && layers[i].settings.name != name) continue;
+    if (layers[i].type == scene::sculpt_layer) return i;
+    if (!name.empty())
+      fail(ErrorKind::usage, "the layer {} is of type {}, which takes no strokes; choose another name", name,
+           layers[i].type);
+  }
+  Layer layer;
+  layer.type = scene::sculpt_layer;
+  layer.settings.name = name;
+  return add_layer(std::move(layer));
+}
+
+std::vector<Journal::Entry> Session::strokes(std::size_t layer) {
+  const Layer& l = state_->sculpt(layer);
+  std::vector<Journal::Entry> out;
+  for (const impl::Slot& slot : state_->text_slots(l)) out.push_back({0, slot.stroke, false});
+  if (const Journal* journal = state_->journal(l))
+    out.insert(out.end(), journal->strokes().begin(), journal->strokes().end());
+  return out;
+}
+
+void Session::stroke(std::size_t layer, std::span<const Stroke> strokes) {
+  State& s = *state_;
+  const Layer& l = s.sculpt(layer);
+  if (strokes.empty()) return;
+  // A stroke that cannot be cooked must not reach the journal, where it would stop every build.
+  impl::SculptFrame frame;
+  frame.origin = strokes[0].points.at(0);
+  impl::SculptCook trial;
+  for (const Stroke& stroke : strokes) {
+    const impl::Slot slot{std::make_shared<Stroke>(parse_stroke(to_text(stroke), "stroke")), false};
+    trial.cook({&slot, 1}, frame);
+  }
+  Journal* journal = s.journal(l);
+  if (!journal) {
+    if (s.file.empty())
+      fail(ErrorKind::usage,
+           "the scene has no file yet, beside which strokes could be kept; save it under a name first");
+    const std::string name = s.new_journal_name(l);
+    const fs::path path = s.file.parent_path() / name;
+    Journal made = Journal::open_or_create(path);
+    Document document = s.document;
+    const fs::path relative =
+        document.resolved(name) == path.lexically_normal() ? fs::path(name) : fs::absolute(path);
+    document.layers[layer].values["journal"] = relative.string();
+    save_scene(document, s.file);
+    s.document = load_scene(s.file);
+    journal =
+        &s.journals.insert_or_assign(s.document.resolved(relative.string()), std::move(made)).first->second;
+  }
+  journal->append(strokes);
+}
+
+std::size_t Session::undo(std::size_t layer, std::size_t steps) {
+  Journal* journal = state_->journal(state_->sculpt(layer));
+  return journal ? journal->undo(steps) : 0;
+}
+
+std::size_t Session::redo(std::size_t layer, std::size_t steps) {
+  Journal* journal = state_->journal(state_->sculpt(layer));
+  return journal ? journal->redo(steps) : 0;
+}
+
+std::size_t Session::redoable(std::size_t layer) {
+  const Journal* journal = state_->journal(state_->sculpt(layer));
+  return journal ? journal->redoable() : 0;
+}
+
+void Session::mute_stroke(std::size_t layer, std::int64_t id, bool muted) {
+  Journal* journal = state_->journal(state_->sculpt(layer));
+  if (!journal) fail(ErrorKind::usage, "the layer has no stroke {}", id);
+  journal->mute(id, muted);
+}
+
+Update Session::update(Progress& progress) {
+  State& s = *state_;
+  for (auto& [path, journal] : s.journals) journal.refresh();
+  impl::Built now = s.builder.build(
+      s.document, [&s](const Document&, const Layer& layer) { return s.slots(layer); }, progress);
+  Update out;
+  out.scene = now.scene;
+  out.changed = impl::changed_boxes(s.built.value_or(impl::Built{}), now);
+  for (const LayerResult& layer : now.scene->layers)
+    if (!layer.reused) out.rerun.push_back(layer.name);
+  s.built = std::move(now);
+  return out;
+}
+
+MeshResult Session::mesh(Progress& progress) {
+  if (!state_->built) update(progress);
+  return mesh_scene(*state_->built->scene, progress);
+}
+
+}  // namespace tafoni::scene
