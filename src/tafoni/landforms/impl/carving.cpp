@@ -67,12 +67,16 @@ class Carver {
     }
   }
 
+  /// Narrower tubes would close between the places.
+  double least() const { return 1.2 * place_step * s_.radius; }
+  double height(const Section& c) const { return std::max(c.radius / (1 + 0.3 * c.broad), least()); }
+
   /// A low broad vault: points side by side, so that the roof is flatter than round; the slot below it.
   void body(const Section& c) {
-    const double low = c.radius / (1 + 0.3 * c.broad);
-    const double reach = 1.7 * low, energy = tube_energy(amplitude_, low, reach, c.step);
+    const double low = height(c), reach = 1.7 * low, energy = tube_energy(amplitude_, low, reach, c.step);
     if (c.broad < 0.35) {
-      add(c.at, 1.7 * c.radius, tube_energy(amplitude_, c.radius, 1.7 * c.radius, c.step));
+      const double round = std::max(c.radius, least());
+      add(c.at, 1.7 * round, tube_energy(amplitude_, round, 1.7 * round, c.step));
     } else {
       // Neighbours a radius apart share what one of them would do alone.
       const int n = c.broad > 1.1 ? 4 : c.broad > 0.6 ? 3 : 2;
@@ -81,7 +85,7 @@ class Carver {
         add(c.at + c.side * (u * c.broad * low), reach, energy * (n == 2 ? 0.75 : 0.68));
       }
     }
-    const double thin = 0.45 * c.radius;
+    const double thin = std::max(0.45 * c.radius, least());
     for (double depth = 0.35; depth < c.slot; depth += 0.55)
       add(c.at - Vec3d{0, 0, low * 0.6 + depth * c.radius}, 1.7 * thin,
           0.75 * tube_energy(amplitude_, thin, 1.7 * thin, c.step));
@@ -95,7 +99,9 @@ class Carver {
         for (int k = 0; k < grooves; ++k) probes_.push_back(wall(c, hand, k));
     rho_.resize(probes_.size());
     ground_.resistances(probes_, rho_);
-    for (std::size_t i = 0; i < sections_.size(); ++i)
+    // At its ends a passage is narrower than its sections say; what is scooped there would be closed.
+    constexpr std::size_t ends = 3;
+    for (std::size_t i = ends; i + ends < sections_.size(); ++i)
       for (std::size_t hand = 0; hand < 2; ++hand) {
         const auto first = rho_.begin() + static_cast<std::ptrdiff_t>((2 * i + hand) * grooves);
         const auto soft = std::min_element(first, first + grooves);
@@ -115,7 +121,7 @@ class Carver {
 
   /// A place on the wall, at one of the tested heights; always within the open section.
   Vec3d wall(const Section& c, double hand, int k) const {
-    const double low = c.radius / (1 + 0.3 * c.broad);
+    const double low = height(c);
     const double h = 0.75 * (2.0 * k / (grooves - 1) - 1);
     return c.at + c.side * (hand * low * (c.broad + 0.85 * std::sqrt(1 - h * h))) + Vec3d{0, 0, h * low};
   }

@@ -81,7 +81,7 @@ class Shaper {
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       if (!kept_[i] || nodes_[i].parent < 0) continue;
       Random random(s_.seed, i);
-      const double weak = smoothstep(0.5, 0.1, nodes_[i].resistance);
+      const double weak = 1 - smoothstep(0.1, 0.5, nodes_[i].resistance);
       const double chance = s_.chambers *
                             (ways[i] > 3    ? 0.7
                              : ways[i] == 3 ? 0.4
@@ -203,7 +203,7 @@ class Shaper {
     const auto point = [&](std::int64_t i) {
       return line[static_cast<std::size_t>(std::clamp<std::int64_t>(i, 0, n - 1))];
     };
-    const double step = 0.4 * s_.radius;
+    const double step = place_step * s_.radius;
     for (std::int64_t i = 0; i + 1 < n; ++i) {
       const double span = length(point(i + 1) - point(i));
       const int pieces = std::max(1, static_cast<int>(std::ceil(span / step)));
@@ -255,8 +255,12 @@ CaveSystem make_passages(const field::CompiledField& field, const Ground& ground
 std::vector<bool> open_networks(const field::CompiledField& field, const CaveSystem& caves) {
   std::vector<bool> open(static_cast<std::size_t>(caves.networks), true);
   for (const Passage& passage : caves.passages) {
-    std::vector<float> values(passage.line.size());
-    field.values(passage.line, values);
+    // Between the places too, where a way closes first.
+    std::vector<Vec3d> way = passage.line;
+    for (std::size_t i = 0; i + 1 < passage.line.size(); ++i)
+      way.push_back(0.5 * (passage.line[i] + passage.line[i + 1]));
+    std::vector<float> values(way.size());
+    field.values(way, values);
     if (std::any_of(values.begin(), values.end(), [](float f) { return f >= 0; }))
       open[static_cast<std::size_t>(passage.network)] = false;
   }

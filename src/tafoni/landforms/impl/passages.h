@@ -22,7 +22,10 @@ struct PassageSettings {
   std::uint64_t seed = 0;
 };
 
-/// One way through the rock, as a line of places no farther apart than half the least radius.
+/// Distance between the places of a passage, in radii of a middling one.
+inline constexpr double place_step = 0.35;
+
+/// One way through the rock, as a line of places about place_step apart.
 struct Passage {
   std::vector<Vec3d> line;
   std::vector<double> radius;  ///< open, one a place
