@@ -129,6 +129,12 @@ field::NodePtr eroded_hills() {
 field::NodePtr warped_hills() {
   return field::warp(hilly_chunk(), nullptr, {.amplitude = {3, 3, 1}});
 }
+/// Points far away: a control field that is 0 over the chunk.
+field::NodePtr hills_beside_a_warp() {
+  field::CloudBuilder cloud(field::CloudSettings{});
+  field::add_point(cloud, {500, 500, 30}, 20, 1);
+  return field::warp(hilly_chunk(), field::as_function(cloud.finish()), {.amplitude = {3, 3, 1}});
+}
 field::NodePtr pillared_hills() {
   std::vector<field::Placement> placements;
   for (Vec3d p : random_points(40, {{0, 0, 28}, {64, 64, 30}}))
@@ -154,6 +160,7 @@ void nested(benchmark::State& state) {
 BENCHMARK(nested<plain_hills>)->Name("chunk samples, hills alone");
 BENCHMARK(nested<eroded_hills>)->Name("chunk samples, eroded beds");
 BENCHMARK(nested<warped_hills>)->Name("chunk samples, warped");
+BENCHMARK(nested<hills_beside_a_warp>)->Name("chunk samples, beside a warp");
 BENCHMARK(nested<pillared_hills>)->Name("chunk samples, 40 instances of 30 spheres");
 
 void compile_cloud(benchmark::State& state) {

@@ -16,6 +16,7 @@ namespace tafoni::field::impl {
 class Compiler;
 class PointWork;
 struct Pose;
+struct Program;
 
 /// The compiled leaf. `work` is scratch of the leaf's own, of one thread; nothing is kept in it from call to
 /// call.
@@ -32,6 +33,8 @@ class Nested {
   /// Elevations over the column's x and y beyond which the leaf mostly stays as it is; lo > hi for none.
   /// A hint: it saves asking range() there.
   virtual Interval extent(const Box3d& column, PointWork& work) const = 0;
+  /// The program that has this leaf's values over the box bit for bit; null for none.
+  virtual const Program* still(const Box3d&) const { return nullptr; }
   /// Holds the surface where it is known to be bounded; empty where nothing is known.
   virtual Box3d bounds() const = 0;
   /// Mean radius of the primitives' supports, metres; 0 without primitives.

@@ -129,6 +129,12 @@ class Warped final : public impl::Nested {
     return work.range(*child_, displaced(box, greatest(control)));
   }
 
+  const Program* still(const Box3d& box) const override {
+    if (!control_) return nullptr;
+    const Interval control = control_->range(box);
+    return control.lo == 0 && control.hi == 0 ? child_.get() : nullptr;
+  }
+
   Interval extent(const Box3d& column, PointWork& work) const override {
     const Vec3d most = greatest({0, 1});
     const Interval child = work.extent(*child_, displaced(column, most));
