@@ -24,7 +24,7 @@ Rows default_rules() {
   return {
       // a: phase of the flutes, b: their number, c: narrowing toward the top.
       {{"symbol", "Hoodoo"},
-       {"make", "Foot(); Trunk(a = random(0, 360), b = floor(random(3, 6)), c = random(0.3, 0.6))"}},
+       {"make", "Foot(); Trunk(a = random(0, 360), b = floor(random(3, 6)), c = random(0.45, 0.75))"}},
       {{"symbol", "Foot"},
        {"make",
         "cone(z = -s, dz = 1.7*s, base = 2*s, tip = 0.6*s, x = random(-0.3, 0.3)*s);"
@@ -33,11 +33,11 @@ Rows default_rules() {
       {{"symbol", "Trunk"},
        {"weight", "h < height && !(h > 0.7*height && rho > 0.6)"},
        {"make",
-        "Bed(s = s*(1.15 - c*h/height)*(0.25 + 0.85*rho));"
+        "Bed(s = s*(1.3 - c*h/height)*(0.35 + 0.7*rho));"
         "Trunk(z = bed, x = random(-0.06, 0.06)*s, y = random(-0.06, 0.06)*s)"}},
       {{"symbol", "Trunk"},
        {"weight", "h >= height || (h > 0.7*height && rho > 0.6)"},
-       {"make", "Cap(s = s*(1.15 - c))"}},
+       {"make", "Cap(s = s*(1.3 - c))"}},
       {{"symbol", "Bed"},
        {"make",
         "cylinder(base = 0.66*s - skin, dz = bed, radius = 0.15);"
