@@ -33,7 +33,7 @@ Rows default_rules() {
       {{"symbol", "Trunk"},
        {"weight", "h < height && !(h > 0.7*height && rho > 0.6)"},
        {"make",
-        "Bed(s = s*(1.3 - c*h/height)*(0.35 + 0.7*rho));"
+        "Bed(s = s*(1.3 - c*h/height)*(0.28 + 0.8*rho));"
         "Trunk(z = bed, x = random(-0.06, 0.06)*s, y = random(-0.06, 0.06)*s)"}},
       {{"symbol", "Trunk"},
        {"weight", "h >= height || (h > 0.7*height && rho > 0.6)"},
