@@ -1,15 +1,19 @@
 // The kernels that everything stands on, one thread each. See docs/benchmarks.md for what bounds them.
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <fmt/core.h>
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/tree.h"
+#include "tafoni/geology/kind.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/terrain/analysis.h"
 
@@ -49,6 +53,47 @@ void noise(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(points.size()));
 }
 BENCHMARK(noise)->Name("fbm points")->ArgName("octaves")->Arg(1)->Arg(4);
+
+/// Rock at points of a lattice, as erosion nodes and colours ask, or at scattered ones, as landforms do. The
+/// label is a hash of the values, to compare machines and versions by.
+void rock(benchmark::State& state, const char* kind) {
+  constexpr std::int64_t n = 1 << 15;
+  auto points = random_points(n, {{0, 0, 0}, {100, 100, 100}});
+  if (state.range(0) == 0)
+    for (std::int64_t i = 0; i < n; ++i)
+      points[static_cast<std::size_t>(i)] = {static_cast<double>(i % 64), static_cast<double>(i / 64 % 64),
+                                             static_cast<double>(i / 4096)};
+  const Vec3d origin{500000, 4000000, 0};
+  const auto& type = geology::find_geology(kind);
+  const std::vector<geology::GeologyPtr> children(type.min_children,
+                                                  geology::make_geology("strata", {}, {}, origin, 1));
+  const auto node = geology::make_geology(kind, {}, children, origin, 2);
+  std::vector<double> out(points.size());
+  for (auto _ : state) {
+    node->raws(points, out);
+    benchmark::DoNotOptimize(out.data());
+  }
+  std::uint64_t hash = 0;
+  for (double v : out) hash = hash_combine(hash, std::bit_cast<std::uint64_t>(v));
+  state.SetLabel(fmt::format("{:016x}", hash));
+  state.SetItemsProcessed(state.iterations() * n);
+}
+BENCHMARK_CAPTURE(rock, strata, "strata")->Name("rock points, strata")->ArgName("scattered")->Arg(0)->Arg(1);
+BENCHMARK_CAPTURE(rock, turbulence, "turbulence")
+    ->Name("rock points, turbulence")
+    ->ArgName("scattered")
+    ->Arg(0);
+BENCHMARK_CAPTURE(rock, planes, "planes")->Name("rock points, planes")->ArgName("scattered")->Arg(0)->Arg(1);
+BENCHMARK_CAPTURE(rock, fold, "fold")
+    ->Name("rock points, folded strata")
+    ->ArgName("scattered")
+    ->Arg(0)
+    ->Arg(1);
+BENCHMARK_CAPTURE(rock, fault, "fault")
+    ->Name("rock points, faulted strata")
+    ->ArgName("scattered")
+    ->Arg(0)
+    ->Arg(1);
 
 /// One chunk of 64^3 cells at 1 m over a plain that points of radius 5 m cover in the given number.
 void chunk(benchmark::State& state, bool bicubic) {

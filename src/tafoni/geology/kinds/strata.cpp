@@ -69,9 +69,48 @@ class Stack {
       cycle_ += t;
     }
     for (std::int64_t i = 0; i < known_beds; ++i) known_.push_back(make(i - known_beds / 2));
+    index();
   }
 
   double at(double d) const {
+    const double cell = (d - known_[1].foot) * cells_per_metre_;
+    if (!(cell >= 0 && cell < static_cast<double>(first_in_cell_.size()))) return beyond(d);
+    std::size_t i = first_in_cell_[static_cast<std::size_t>(cell)];
+    i += d >= known_[i + 1].foot ? 1 : 0;
+    while (d >= known_[i + 1].foot) ++i;
+    // The nearer boundary without a branch: for scattered points no guess of it is good.
+    const std::size_t j = i + (d - known_[i].foot < known_[i + 1].foot - d ? 0 : 1);
+    return mixed(known_[j - 1], known_[j], d);
+  }
+
+ private:
+  struct Bed {
+    double foot;      ///< its lower boundary
+    double softness;  ///< half the width of the transition there
+    double rho;
+  };
+  static constexpr std::int64_t known_beds = 2048;  ///< kept ready about the first bed: hashing takes longer
+
+  /// Which known bed holds the foot of each cell of a division of their height.
+  void index() {
+    constexpr double most = 1 << 15;
+    const double foot = known_[1].foot, height = known_[known_beds - 2].foot - foot;
+    double thinnest = height;
+    for (std::size_t i = 1; i + 2 < known_.size(); ++i)
+      thinnest = std::min(thinnest, known_[i + 1].foot - known_[i].foot);
+    cells_per_metre_ = std::min(most / height, 1 / thinnest);
+    // The last cell may reach beyond the last bed.
+    first_in_cell_.resize(static_cast<std::size_t>(height * cells_per_metre_));
+    std::size_t bed = 1;
+    for (std::size_t c = 0; c < first_in_cell_.size(); ++c) {
+      // Rounding may put a point of the cell a little below its foot.
+      const double at = foot + (static_cast<double>(c) - 1e-6) / cells_per_metre_;
+      while (known_[bed + 1].foot <= at) ++bed;
+      first_in_cell_[c] = static_cast<std::uint16_t>(bed);
+    }
+  }
+
+  double beyond(double d) const {
     const double turns = std::floor(d / cycle_);
     const double rest = d - turns * cycle_;
     std::int64_t i = static_cast<std::int64_t>(turns) * static_cast<std::int64_t>(feet_.size());
@@ -87,14 +126,6 @@ class Stack {
     if (d - bed.foot < above.foot - d) return mixed(get(i - 1), bed, d);
     return mixed(bed, above, d);
   }
-
- private:
-  struct Bed {
-    double foot;      ///< its lower boundary
-    double softness;  ///< half the width of the transition there
-    double rho;
-  };
-  static constexpr std::int64_t known_beds = 2048;  ///< kept ready about the first bed: hashing takes longer
 
   Bed get(std::int64_t i) const {
     const std::int64_t k = i + known_beds / 2;
@@ -118,9 +149,8 @@ class Stack {
 
   static double mixed(const Bed& below, const Bed& above, double d) {
     const double from = d - above.foot, half = above.softness;
-    if (from >= half) return above.rho;
-    if (from <= -half) return below.rho;
-    const double s = (from + half) / (2 * half);
+    if (half == 0) return from >= 0 ? above.rho : below.rho;
+    const double s = std::clamp((from + half) / (2 * half), 0.0, 1.0);
     const double w = s * s * (3 - 2 * s);
     return below.rho * (1 - w) + above.rho * w;
   }
@@ -135,6 +165,8 @@ class Stack {
   std::vector<double> feet_;  ///< of the beds of one cycle
   double cycle_ = 0;
   std::vector<Bed> known_;
+  std::vector<std::uint16_t> first_in_cell_;
+  double cells_per_metre_ = 0;
 };
 
 class Node final : public impl::BatchGeology {

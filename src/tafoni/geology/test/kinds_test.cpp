@@ -82,6 +82,20 @@ TEST(Strata, TransitionsLeaveNoJumps) {
   }
 }
 
+TEST(Strata, BedsAreTheSameNearAndFarFromTheFirst) {
+  // Beds far away are made anew for each point: a stack moved by many cycles must hold the same beds.
+  const Values even = {{"variation", 0.0},
+                       {"hardness_variation", 0.0},
+                       {"turbulence", 0.0},
+                       {"waviness", 0.0},
+                       {"thickness", std::vector<double>{0.5, 8, 64, 1}}};
+  Values moved = even;
+  moved["elevation"] = -73.5 * 256;
+  const auto near = make_geology("strata", even, {}, none, 4),
+             far = make_geology("strata", moved, {}, none, 4);
+  for (double z = -100; z < 300; z += 0.0625) ASSERT_EQ(near->raw({0, 0, z}), far->raw({0, 0, z})) << z;
+}
+
 TEST(Strata, BedsDipTowardsTheAzimuth) {
   const auto g = pure_strata({{"thickness", 10.0},
                               {"hardness", std::vector<double>{0.9, 0.1}},
