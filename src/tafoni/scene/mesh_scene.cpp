@@ -88,6 +88,10 @@ void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress) {
   progress.end();
 }
 
+void finish_mesh(const BuiltScene& scene, MeshResult& result, Progress& progress) {
+  finish(scene, result.mesh, result, progress);
+}
+
 MeshResult mesh_scene(const BuiltScene& scene, Progress& progress) {
   MeshResult result;
   double start = now();
@@ -97,7 +101,7 @@ MeshResult mesh_scene(const BuiltScene& scene, Progress& progress) {
   result.mesh =
       mesh::polygonize(field, polygonize_settings(scene, field, scene.voxel), progress, &result.stats);
   result.polygonize_seconds = now() - start;
-  finish(scene, result.mesh, result, progress);
+  finish_mesh(scene, result, progress);
   return result;
 }
 

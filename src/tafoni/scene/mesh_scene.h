@@ -29,6 +29,10 @@ mesh::PolygonizeSettings polygonize_settings(const BuiltScene& scene, const fiel
 /// Polygonizes with the document's settings, colours by geology, slope and height, simplifies where asked.
 MeshResult mesh_scene(const BuiltScene& scene, Progress& progress = silent());
 
+/// What mesh_scene() does once the surface is meshed: `result.mesh` gets its origin and colours and is
+/// simplified where asked.
+void finish_mesh(const BuiltScene& scene, MeshResult& result, Progress& progress = silent());
+
 /// The same, one mesh a tile of `tiles` x `tiles`, handed over from the calling thread. Seams meet exactly,
 /// simplified or not. The result's mesh stays empty.
 MeshResult mesh_scene_tiles(const BuiltScene& scene, int tiles, const mesh::TileSink& sink,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "tafoni/core/error.h"
@@ -19,6 +20,10 @@ struct Session::State {
   impl::Builder builder;
   std::optional<impl::Built> built;
   std::map<fs::path, Journal> journals;
+  std::unique_ptr<mesh::IncrementalMesher> mesher;
+  std::optional<mesh::PolygonizeSettings> meshed;  ///< what the mesher was made for
+  const void* meshed_inside = nullptr;             ///< the same, of the domain's mask
+  std::vector<Box3d> unmeshed;                     ///< changed since the mesher's last update
   impl::FileDigests files;
   impl::Recent<std::pair<fs::path, impl::Digest>, std::vector<impl::Slot>> texts{16};
 
@@ -246,13 +251,50 @@ Update Session::update(Progress& progress) {
   out.changed = impl::changed_boxes(s.built.value_or(impl::Built{}), now);
   for (const LayerResult& layer : now.scene->layers)
     if (!layer.reused) out.rerun.push_back(layer.name);
+  s.unmeshed.insert(s.unmeshed.end(), out.changed.begin(), out.changed.end());
   s.built = std::move(now);
   return out;
 }
 
+namespace {
+
+bool same_lattice(const mesh::PolygonizeSettings& a, const mesh::PolygonizeSettings& b) {
+  return a.voxel == b.voxel && a.boundary == b.boundary && a.region.lo == b.region.lo &&
+         a.region.hi == b.region.hi && a.min_fragment_volume == b.min_fragment_volume;
+}
+
+}  // namespace
+
+std::vector<mesh::IncrementalMesher::Change> Session::remesh(Progress& progress) {
+  State& s = *state_;
+  if (!s.built) update(progress);
+  const BuiltScene& scene = *s.built->scene;
+  const field::CompiledField field = scene.field_for(scene.boundary());
+  const auto settings = polygonize_settings(scene, field, scene.voxel);
+  const void* inside = scene.boundary() == mesh::Boundary::open ? scene.terrain.inside.get() : nullptr;
+  if (!s.mesher || !same_lattice(*s.meshed, settings) || s.meshed_inside != inside) {
+    s.mesher = std::make_unique<mesh::IncrementalMesher>(settings);
+    s.meshed = settings;
+    s.meshed_inside = inside;
+  }
+  auto changes = s.mesher->update(field, s.unmeshed, progress);
+  s.unmeshed.clear();
+  return changes;
+}
+
+const mesh::IncrementalMesher& Session::mesher() const {
+  if (!state_->mesher) fail(ErrorKind::usage, "nothing is meshed yet");
+  return *state_->mesher;
+}
+
 MeshResult Session::mesh(Progress& progress) {
-  if (!state_->built) update(progress);
-  return mesh_scene(*state_->built->scene, progress);
+  remesh(progress);
+  MeshResult result;
+  result.mesh = state_->mesher->assemble();
+  result.stats.vertices = result.mesh.positions.size();
+  result.stats.triangles = result.mesh.triangles.size();
+  finish_mesh(*state_->built->scene, result, progress);
+  return result;
 }
 
 }  // namespace tafoni::scene

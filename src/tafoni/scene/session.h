@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tafoni/core/progress.h"
+#include "tafoni/mesh/incremental.h"
 #include "tafoni/scene/build.h"
 #include "tafoni/scene/document.h"
 #include "tafoni/scene/journal.h"
@@ -77,7 +78,12 @@ class Session {
 
   /// Builds what changed, in the document, its files or its journals, since the last update.
   Update update(Progress& progress = silent());
-  /// The mesh of the last update, which is made if there was none.
+  /// Brings the mesher up to the last update (made if there was none): only chunks of the lattice that the
+  /// changed boxes touch are looked at. Gives the chunks whose mesh changed. The mesher lives as long as the
+  /// session does not have to mesh on another lattice.
+  std::vector<mesh::IncrementalMesher::Change> remesh(Progress& progress = silent());
+  const mesh::IncrementalMesher& mesher() const;
+  /// remesh(), put together, coloured and simplified: what mesh_scene() makes of the scene, byte for byte.
   MeshResult mesh(Progress& progress = silent());
 
  private:

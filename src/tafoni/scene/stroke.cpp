@@ -97,6 +97,11 @@ void check(const Stroke& stroke, const BrushType& brush, std::string_view where)
     fail(ErrorKind::usage, "{}: the brush {} takes {} point{}, not {}; give them as at=X,Y,Z/X,Y,Z", where,
          brush.name, wanted, wanted.ends_with(" 1") || wanted == "1" ? "" : "s", n);
   }
+  params_of_brush(brush, stroke.values);  // throws where what they depend on is unknown
+  for (const auto& [name, value] : stroke.values)
+    if (const auto* text = std::get_if<std::string>(&value);
+        text && text->find_first_of("\"\n\r") != std::string::npos)
+      fail(ErrorKind::usage, "{}: {} has a quote or a line break in it", where, name);
   for (const Vec3d p : stroke.points)
     if (!(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= 1e9))
       fail(ErrorKind::usage, "{}: the point {},{},{} is no position in metres", where, p.x, p.y, p.z);
