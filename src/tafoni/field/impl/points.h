@@ -50,6 +50,11 @@ class PointWork {
     std::vector<PointValues> gradients;
     std::vector<Vec3f> slopes;
     std::vector<Displacement> displacements;
+    struct Ball {
+      Vec3d center;
+      double radius;
+    };
+    std::vector<Ball> balls;
     std::vector<std::uint32_t> items;
   };
   Scratch scratch;

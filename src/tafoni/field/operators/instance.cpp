@@ -176,28 +176,39 @@ class Instanced final : public impl::Nested {
   /// scratch.points and their indices in scratch.items.
   template <class Run>
   void each_touched(std::span<const Vec3d> points, PointWork& work, const Run& run) const {
-    Box3d box;
-    for (const Vec3d& p : points) box.expand(p);
-    auto& own = work.scratch.points;
-    auto& items = work.scratch.items;
-    placements_->visit(box, [&](const Pose& pose, float scale) {
-      const Box3d& shape = placements_->shape();
-      if (!pose.own_box(box).overlaps(shape)) return;
-      own.resize(points.size());
-      for (std::size_t i = 0; i < points.size(); ++i) own[i] = pose.to_own(points[i]);
-      items.resize(points.size());
-      std::size_t n = 0;
-      for (std::uint32_t i = 0; i < points.size(); ++i) {
-        const Vec3d p = own[i];
-        own[n] = p;
-        items[n] = i;
-        n += shape.contains(p);
-      }
-      own.resize(n);
-      if (n > 0) run(pose, scale);
+    auto& balls = work.scratch.balls;
+    balls.clear();
+    Box3d all;
+    for (std::size_t i = 0; i < points.size(); i += pack) {
+      Box3d box;
+      for (const Vec3d& p : points.subspan(i, std::min(pack, points.size() - i))) box.expand(p);
+      balls.push_back({box.center(), length(box.size()) / 2 + 1e-6});
+      all.expand(box);
+    }
+    placements_->visit(all, [&](const Pose& pose, float scale) {
+      if (!pose.own_box(all).overlaps(placements_->shape())) return;
+      find_touched(points, pose, work.scratch);
+      if (!work.scratch.points.empty()) run(pose, scale);
     });
   }
 
+  void find_touched(std::span<const Vec3d> points, const Pose& pose, PointWork::Scratch& scratch) const {
+    const Box3d& shape = placements_->shape();
+    scratch.points.clear();
+    scratch.items.clear();
+    for (std::size_t b = 0; b < scratch.balls.size(); ++b) {
+      const auto& ball = scratch.balls[b];
+      if (!shape.grown(ball.radius * pose.inverse).contains(pose.to_own(ball.center))) continue;
+      for (std::size_t i = b * pack; i < std::min((b + 1) * pack, points.size()); ++i) {
+        const Vec3d p = pose.to_own(points[i]);
+        if (!shape.contains(p)) continue;
+        scratch.points.push_back(p);
+        scratch.items.push_back(static_cast<std::uint32_t>(i));
+      }
+    }
+  }
+
+  static constexpr std::size_t pack = 8;  ///< neighbours that are left out together
   std::shared_ptr<const Program> child_;
   std::shared_ptr<const Placements> placements_;
 };
