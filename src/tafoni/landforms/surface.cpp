@@ -1,7 +1,9 @@
 #include "tafoni/landforms/surface.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <span>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
@@ -11,19 +13,24 @@
 namespace tafoni::landforms {
 namespace {
 
+/// A jittered place near the surface, as the lattice's samples show it, that may become a sample.
 struct Candidate {
+  Vec3d position;
+  std::uint64_t priority;
+};
+struct Sample {
   SurfacePoint point;
   std::uint64_t priority;
 };
 
-constexpr int tries = 2;  ///< candidates a cell
 constexpr int newton_steps = 4;
+constexpr double stray = 3;  ///< a sample lies at most this many cells from the cell it was drawn in
 
 /// All candidates of one column of chunks.
 class ColumnSampler {
  public:
   ColumnSampler(const field::CompiledField& field, const SurfaceSampling& settings, double voxel)
-      : field_(field), settings_(settings), voxel_(voxel), evaluator_(field, voxel) {}
+      : settings_(settings), voxel_(voxel), evaluator_(field, voxel) {}
 
   std::vector<Candidate> sample(int a, int b, Progress& progress) {
     const double chunk = voxel_ * field::chunk_cells;
@@ -37,31 +44,27 @@ class ColumnSampler {
       progress.check();
       column.lo.z = c * chunk;
       column.hi.z = (c + 1) * chunk;
-      if (!refused(column) && evaluator_.evaluate(c, samples_)) {
-        scatter();
-        project();
-      }
+      if (!refused(column) && evaluator_.evaluate(c, samples_)) scatter();
     }
     return std::move(result_);
   }
 
  private:
   bool refused(const Box3d& cells) const {
-    // A sample may come to lie a cell beyond its own.
-    return settings_.maybe && !settings_.maybe(cells.center(), 0.5 * length(cells.size()) + 2 * voxel_);
+    return settings_.maybe && !settings_.maybe(cells.center(), 0.5 * length(cells.size()) + stray * voxel_);
   }
 
+  Vec3<std::int64_t> cell(int i, int j, int k) const {
+    return {std::int64_t{samples_.chunk.x} * field::chunk_cells + i,
+            std::int64_t{samples_.chunk.y} * field::chunk_cells + j,
+            std::int64_t{samples_.chunk.z} * field::chunk_cells + k};
+  }
   Vec3d corner(int i, int j, int k) const {
-    return Vec3d{static_cast<double>(std::int64_t{samples_.chunk.x} * field::chunk_cells + i),
-                 static_cast<double>(std::int64_t{samples_.chunk.y} * field::chunk_cells + j),
-                 static_cast<double>(std::int64_t{samples_.chunk.z} * field::chunk_cells + k)} *
-           voxel_;
+    const auto c = cell(i, j, k);
+    return Vec3d{static_cast<double>(c.x), static_cast<double>(c.y), static_cast<double>(c.z)} * voxel_;
   }
 
-  /// Jittered points in the cells that the surface cuts.
   void scatter() {
-    points_.clear();
-    keys_.clear();
     for (int bz = 0; bz < field::chunk_bricks; ++bz)
       for (int by = 0; by < field::chunk_bricks; ++by)
         for (int bx = 0; bx < field::chunk_bricks; ++bx)
@@ -72,83 +75,106 @@ class ColumnSampler {
     constexpr int n = field::brick_cells;
     const Box3d brick{corner(bx * n, by * n, bz * n), corner((bx + 1) * n, (by + 1) * n, (bz + 1) * n)};
     if (!settings_.box.overlaps(brick.grown(voxel_)) || refused(brick)) return;
-    for (int k = bz * n; k < (bz + 1) * n; ++k)
-      for (int j = by * n; j < (by + 1) * n; ++j)
-        for (int i = bx * n; i < (bx + 1) * n; ++i)
-          if (is_cut(i, j, k)) scatter_cell(i, j, k);
-  }
-
-  bool is_cut(int i, int j, int k) const {
-    int solid = 0;
-    for (int corner = 0; corner < 8; ++corner)
-      solid += samples_.at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2)) > 0;
-    return solid != 0 && solid != 8;
+    // Bit i of solid[k][j]: the sample is rock. A cell is cut where its eight corners differ.
+    unsigned solid[n + 1][n + 1];
+    for (int k = 0; k <= n; ++k)
+      for (int j = 0; j <= n; ++j) {
+        solid[k][j] = 0;
+        for (int i = 0; i <= n; ++i)
+          solid[k][j] |= static_cast<unsigned>(samples_.at(bx * n + i, by * n + j, bz * n + k) > 0) << i;
+      }
+    for (int k = 0; k < n; ++k)
+      for (int j = 0; j < n; ++j) {
+        const unsigned any = solid[k][j] | solid[k][j + 1] | solid[k + 1][j] | solid[k + 1][j + 1];
+        const unsigned all = solid[k][j] & solid[k][j + 1] & solid[k + 1][j] & solid[k + 1][j + 1];
+        unsigned cut = (any | any >> 1) & ~(all & all >> 1) & 0xffu;
+        for (; cut != 0; cut &= cut - 1) scatter_cell(bx * n + std::countr_zero(cut), by * n + j, bz * n + k);
+      }
   }
 
   void scatter_cell(int i, int j, int k) {
-    const Vec3<std::int64_t> cell{std::int64_t{samples_.chunk.x} * field::chunk_cells + i,
-                                  std::int64_t{samples_.chunk.y} * field::chunk_cells + j,
-                                  std::int64_t{samples_.chunk.z} * field::chunk_cells + k};
     const Vec3d lo = corner(i, j, k);
-    const Box3d grown{lo - Vec3d{voxel_, voxel_, voxel_}, lo + Vec3d{2 * voxel_, 2 * voxel_, 2 * voxel_}};
-    if (!settings_.box.overlaps(grown)) return;
-    if (settings_.maybe && !settings_.maybe(grown.center(), 3 * voxel_)) return;
-    const std::uint64_t key =
-        hash_combine(hash_combine(hash_combine(settings_.seed, static_cast<std::uint64_t>(cell.x)),
-                                  static_cast<std::uint64_t>(cell.y)),
-                     static_cast<std::uint64_t>(cell.z));
-    Random random(key);
-    for (int t = 0; t < tries; ++t) {
-      const Vec3d jitter{random.uniform(), random.uniform(), random.uniform()};
-      points_.push_back(lo + jitter * voxel_);
-      keys_.push_back(random.next());
-    }
+    const Box3d box{lo, lo + Vec3d{voxel_, voxel_, voxel_}};
+    if (!settings_.box.overlaps(box.grown(voxel_)) || refused(box)) return;
+    const auto at = cell(i, j, k);
+    Random random(hash_combine(hash_combine(hash_combine(settings_.seed, static_cast<std::uint64_t>(at.x)),
+                                            static_cast<std::uint64_t>(at.y)),
+                               static_cast<std::uint64_t>(at.z)));
+    float f[8];
+    for (int corner = 0; corner < 8; ++corner)
+      f[corner] = samples_.at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2));
+    const Vec3d jitter{random.uniform(), random.uniform(), random.uniform()};
+    result_.push_back({lo + nearer(f, jitter) * voxel_, random.next()});
   }
 
-  /// Newton steps along the gradient; keeps what arrives near its own cell.
-  void project() {
-    start_ = points_;
-    for (int step = 0; !points_.empty(); ++step) {
-      values_.resize(points_.size());
-      gradients_.resize(points_.size());
-      field_.gradients(points_, values_, gradients_);
-      std::size_t left = 0;
-      for (std::size_t i = 0; i < points_.size(); ++i) {
-        const Vec3d g = to_double(gradients_[i]);
-        const double f = static_cast<double>(values_[i]), slope = length(g);
-        if (std::abs(f) < 0.01 * settings_.spacing * slope) {
-          arrive(points_[i], g * (-1 / slope), start_[i], keys_[i]);
-          continue;
-        }
-        if (step == newton_steps || slope < 1e-6) continue;
-        Vec3d move = g * (-f / (slope * slope));
-        if (length(move) > voxel_) move = normalized(move) * voxel_;
-        points_[left] = points_[i] + move;
-        start_[left] = start_[i];
-        keys_[left++] = keys_[i];
+  /// Two Newton steps towards the zero of the cell's trilinear interpolant; `u` in cells from its low corner.
+  static Vec3d nearer(const float (&f)[8], Vec3d u) {
+    for (int step = 0; step < 2; ++step) {
+      double value = 0;
+      Vec3d g{0, 0, 0};
+      for (int c = 0; c < 8; ++c) {
+        const double v = static_cast<double>(f[c]), sx = c & 1 ? 1 : -1, sy = c & 2 ? 1 : -1,
+                     sz = c & 4 ? 1 : -1;
+        const double wx = c & 1 ? u.x : 1 - u.x, wy = c & 2 ? u.y : 1 - u.y, wz = c & 4 ? u.z : 1 - u.z;
+        value += v * wx * wy * wz;
+        g += Vec3d{sx * wy * wz, wx * sy * wz, wx * wy * sz} * v;
       }
-      points_.resize(left);
+      const double slope2 = dot(g, g);
+      if (slope2 < 1e-12) break;
+      u += g * (-value / slope2);
+      u = {std::clamp(u.x, 0.0, 1.0), std::clamp(u.y, 0.0, 1.0), std::clamp(u.z, 0.0, 1.0)};
     }
+    return u;
   }
 
-  void arrive(Vec3d p, Vec3d normal, Vec3d start, std::uint64_t key) {
-    const Vec3d moved = p - start;
-    if (dot(moved, moved) > 4 * voxel_ * voxel_ || !settings_.box.contains(p)) return;
-    const SurfacePoint point{p, to_float(normal)};
-    if (!settings_.accept || settings_.accept(point)) result_.push_back({point, key});
-  }
-
-  const field::CompiledField& field_;
   const SurfaceSampling& settings_;
   double voxel_;
   field::ChunkEvaluator evaluator_;
   field::ChunkSamples samples_;
-  std::vector<Vec3d> points_, start_;
-  std::vector<std::uint64_t> keys_;
-  std::vector<float> values_;
-  std::vector<Vec3f> gradients_;
   std::vector<Candidate> result_;
 };
+
+/// Newton steps along the gradient; keeps what arrives near where it began and is accepted, in order.
+std::vector<Sample> projected(const field::CompiledField& field, const SurfaceSampling& settings,
+                              double voxel, std::span<const Candidate> candidates) {
+  std::vector<Vec3d> points;
+  std::vector<std::uint32_t> which;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    points.push_back(candidates[i].position);
+    which.push_back(static_cast<std::uint32_t>(i));
+  }
+  std::vector<float> values;
+  std::vector<Vec3f> gradients;
+  std::vector<std::pair<std::uint32_t, SurfacePoint>> arrived;
+  for (int step = 0; !points.empty(); ++step) {
+    values.resize(points.size());
+    gradients.resize(points.size());
+    field.gradients(points, values, gradients);
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3d g = to_double(gradients[i]);
+      const double f = static_cast<double>(values[i]), slope = length(g);
+      if (std::abs(f) < 0.01 * settings.spacing * slope) {
+        const Vec3d moved = points[i] - candidates[which[i]].position;
+        if (dot(moved, moved) <= (stray - 1) * (stray - 1) * voxel * voxel)
+          arrived.emplace_back(which[i], SurfacePoint{points[i], to_float(g * (-1 / slope))});
+        continue;
+      }
+      if (step == newton_steps || slope < 1e-6) continue;
+      Vec3d move = g * (-f / (slope * slope));
+      if (length(move) > voxel) move = normalized(move) * voxel;
+      points[left] = points[i] + move;
+      which[left++] = which[i];
+    }
+    points.resize(left);
+  }
+  std::sort(arrived.begin(), arrived.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Sample> samples;
+  for (const auto& [i, point] : arrived)
+    if (settings.box.contains(point.position) && (!settings.accept || settings.accept(point)))
+      samples.push_back({point, candidates[i].priority});
+  return samples;
+}
 
 /// Dart throwing over the columns of chunks. Columns of one colour of a 2 x 2 checkerboard lie a whole column
 /// apart, so that they cannot disturb one another: they are worked on in parallel, after what earlier colours
@@ -196,11 +222,20 @@ class DartBoard {
     add_neighbours(x, y, hash);
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const Candidate& a, const Candidate& b) { return a.priority < b.priority; });
-    std::vector<Candidate>& kept = kept_[index(x, y)];
-    for (const Candidate& candidate : candidates) {
-      if (hash.any_near(candidate.point.position, settings_.spacing)) continue;
-      hash.insert(candidate.point.position);
-      kept.push_back(candidate);
+    std::vector<Sample>& kept = kept_[index(x, y)];
+    // In rounds: most candidates of the later ones lie beside a sample already and need no projecting.
+    const std::span<const Candidate> all(candidates);
+    std::vector<Candidate> round;
+    for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+      end = std::min(all.size(), std::max<std::size_t>(begin + 64, begin + begin / 2));
+      round.clear();
+      for (const Candidate& c : all.subspan(begin, end - begin))
+        if (!hash.any_near(c.position, nearly * settings_.spacing)) round.push_back(c);
+      for (const Sample& sample : projected(field_, settings_, voxel_, round)) {
+        if (hash.any_near(sample.point.position, settings_.spacing)) continue;
+        hash.insert(sample.point.position);
+        kept.push_back(sample);
+      }
     }
     kept.shrink_to_fit();
   }
@@ -208,11 +243,11 @@ class DartBoard {
   /// What neighbours have accepted within reach of the column's candidates, which may lie two cells outside
   /// it.
   void add_neighbours(int x, int y, SpatialHash& hash) const {
-    const double side = voxel_ * field::chunk_cells, reach = settings_.spacing + 2 * voxel_;
+    const double side = voxel_ * field::chunk_cells, reach = settings_.spacing + stray * voxel_;
     const double west = (first_.x + x) * side - reach, south = (first_.y + y) * side - reach;
     for (int ny = std::max(0, y - 1); ny <= std::min(size_.y - 1, y + 1); ++ny)
       for (int nx = std::max(0, x - 1); nx <= std::min(size_.x - 1, x + 1); ++nx)
-        for (const Candidate& c : kept_[index(nx, ny)]) {
+        for (const Sample& c : kept_[index(nx, ny)]) {
           const Vec3d p = c.point.position;
           if (p.x > west && p.x < west + side + 2 * reach && p.y > south && p.y < south + side + 2 * reach)
             hash.insert(p);
@@ -221,24 +256,27 @@ class DartBoard {
 
   /// By priority, so that every prefix is spread over the whole region.
   std::vector<SurfacePoint> gathered() {
-    std::vector<Candidate> all;
+    std::vector<Sample> all;
     for (auto& part : kept_) {
       all.insert(all.end(), part.begin(), part.end());
       part = {};
     }
     std::stable_sort(all.begin(), all.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.priority < b.priority; });
+                     [](const Sample& a, const Sample& b) { return a.priority < b.priority; });
     std::vector<SurfacePoint> points;
     points.reserve(all.size());
-    for (const Candidate& c : all) points.push_back(c.point);
+    for (const Sample& c : all) points.push_back(c.point);
     return points;
   }
+
+  /// A candidate so much nearer than the spacing to a sample will not come to lie farther away by projection.
+  static constexpr double nearly = 0.9;
 
   const field::CompiledField& field_;
   const SurfaceSampling& settings_;
   double voxel_;
   Pair first_, size_;
-  std::vector<std::vector<Candidate>> kept_;  ///< by column
+  std::vector<std::vector<Sample>> kept_;  ///< by column
 };
 
 }  // namespace
