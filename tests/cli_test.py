@@ -316,6 +316,20 @@ class Reference(Case):
             self.passes("build", example, "--voxel", "4", "-o", "a.glb")
             self.passes("validate", "a.glb", "--closed")
 
+    def test_render_cuts_the_rock_open(self):
+        self.hill()
+        (self.dir / "s.toml").write_text("[scene]\nvoxel = 4\n[terrain]\nsource = 'hill.asc'\n[[geology]]\n"
+                                         "type = 'fold'\n[[geology.of]]\ntype = 'strata'\n")
+        small = ("--size", "64,48", "--samples", "1")
+        self.passes("render", "s.toml", "--geology", "-o", "a.png", *small)
+        self.passes("render", "s.toml", "--geology", "--set", "strata.dip=30", "-o", "b.png", *small)
+        self.assertNotEqual((self.dir / "a.png").read_bytes(), (self.dir / "b.png").read_bytes())
+        self.fails(2, "needs --geology", "render", "s.toml", "--cut", "0,0,1,1", "-o", "c.png")
+        self.fails(2, "Nothing of the terrain", "render", "s.toml", "--geology", "--cut", "0,1e6,1,1e6", "-o", "c.png")
+        self.fails(2, "exclude", "render", "s.toml", "--geology", "--inside", "-o", "c.png")
+        (self.dir / "t.toml").write_text("[terrain]\nsource = 'hill.asc'\n[[geology]]\ntype = 'fold'\n")
+        self.fails(3, "t.toml:4: fold: takes 1 child, but has none", "build", "t.toml", "-o", "c.glb")
+
     def test_generate_is_reproducible(self):
         for name in ("a.tif", "b.tif"):
             self.passes("generate", "coast", "-o", name, "--seed", "3", "--set", "width=64", "--set", "coast.height=48")

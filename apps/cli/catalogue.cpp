@@ -37,6 +37,17 @@ Topic formats() {
   return out;
 }
 
+Topic rocks() {
+  Topic out{"geology", "Kinds of rock", {}};
+  for (const geology::GeologyType* type : geology::all_geologies()) {
+    const std::string note = type->max_children == 0 ? ""
+                                                     : fmt::format("Takes {}, each written [[geology.of]].",
+                                                                   geology::children_text(*type));
+    out.entries.push_back({type->name, type->doc, type->source, note, type->params, {}});
+  }
+  return out;
+}
+
 Topic sections() {
   Topic out{"scene", "Sections of a scene file", {}};
   out.entries.push_back({"[scene]", "What holds for the whole scene", {}, {}, scene::scene_params(), {}});
@@ -142,7 +153,7 @@ std::vector<Topic> catalogue() {
           common_options(),
           sections(),
           topic("landforms", "Layers that shape the terrain", landforms::all_landforms()),
-          topic("geology", "Kinds of rock", geology::all_geologies()),
+          rocks(),
           topic("generators", "Built-in elevation models", terrain::all_generators()),
           topic("primitives", "Leaves of construction trees", field::all_primitives()),
           topic("operators", "How trees are combined, moved and eroded", field::all_operators()),

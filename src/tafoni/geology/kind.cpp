@@ -35,14 +35,17 @@ GeologyPtr shifted(GeologyPtr geology, Vec3d shift) {
   return std::make_shared<Shifted>(std::move(geology), shift);
 }
 
-std::string count_text(const GeologyType& type) {
+}  // namespace
+
+std::string children_text(const GeologyType& type) {
   if (type.max_children == 0) return "no children";
   const std::string most =
       fmt::format("{} {}", type.max_children, type.max_children == 1 ? "child" : "children");
-  return type.min_children == type.max_children ? most : fmt::format("{} to {}", type.min_children, most);
+  return type.min_children == type.max_children
+             ? most
+             : fmt::format("{} {} {}", type.min_children,
+                           type.max_children - type.min_children == 1 ? "or" : "to", most);
 }
-
-}  // namespace
 
 const GeologyType& find_geology(std::string_view name) {
   std::vector<std::string> known;
@@ -61,7 +64,7 @@ GeologyPtr make_geology(std::string_view name, const Values& values, std::vector
                         Vec3d origin, std::uint64_t seed) {
   const GeologyType& type = find_geology(name);
   if (children.size() < type.min_children || children.size() > type.max_children)
-    fail(ErrorKind::usage, "{}: takes {}, but has {}", name, count_text(type),
+    fail(ErrorKind::usage, "{}: takes {}, but has {}", name, children_text(type),
          children.empty() ? "none" : fmt::format("{}", children.size()));
   Values valid;
   for (const auto& [key, value] : values)

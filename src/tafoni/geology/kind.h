@@ -21,6 +21,9 @@ struct GeologyType {
   GeologyPtr (*make)(const Values& values, std::vector<GeologyPtr> children, std::uint64_t seed) = nullptr;
 };
 
+/// "no children", "1 child", "2 or 3 children".
+std::string children_text(const GeologyType& type);
+
 /// Every kind, sorted by name; kinds/NAME.cpp defines `const GeologyType& geology_NAME()`.
 std::span<const GeologyType* const> all_geologies();
 /// Throws Error{usage} naming the nearest known one.

@@ -140,7 +140,7 @@ TEST(Kind, SaysHowManyChildrenItTakes) {
   };
   EXPECT_EQ(error("strata", 1), "strata: takes no children, but has 1");
   EXPECT_EQ(error("fold", 0), "fold: takes 1 child, but has none");
-  EXPECT_EQ(error("fault", 3), "fault: takes 1 to 2 children, but has 3");
+  EXPECT_EQ(error("fault", 3), "fault: takes 1 or 2 children, but has 3");
   EXPECT_EQ(error("fault", 2), "fault: with domain = \"plane\" it takes 1 child, but has 2");
   EXPECT_EQ(error("contact", 3), "contact: with domain = \"plane\" it takes 2 children, but has 3");
 }
