@@ -22,7 +22,7 @@ struct Params {
   double size = 0;
   double thickness = 0;
   double roof = 0;
-  double slope = 45;
+  double slope = 40;
   bool potholes = true;
   std::int64_t bridges = 0;
   double span = 0;
@@ -37,7 +37,7 @@ const ParamTable<Params>& table() {
         .real("size", &Params::size, "m", 0, 500,
               "greatest height of an opening, 0 for three pixels of the terrain but 18 m at least")
         .real("thickness", &Params::thickness, "m", 0, 1000,
-              "thickest wall that an arch may pierce, 0 for twice the size")
+              "thickest wall that an arch may pierce, 0 for 1.2 times the size")
         .real("roof", &Params::roof, "m", 0, 200,
               "least rock left above an opening, 0 for a fifth of the size")
         .real("slope", &Params::slope, "deg", 10, 89, "slope from which ground counts as a face")
@@ -65,7 +65,7 @@ class Arches {
   Arches(const Site& site, const Params& p, Progress& progress)
       : p_(p), ground_(site), field_(field::compile(site.terrain)), progress_(progress) {
     size_ = p.size > 0 ? p.size : std::max(18.0, 3 * ground_.pixel());
-    thickness_ = p.thickness > 0 ? p.thickness : 2 * size_;
+    thickness_ = p.thickness > 0 ? p.thickness : 1.2 * size_;
     roof_ = p.roof > 0 ? p.roof : 0.2 * size_;
     span_ = p.span > 0 ? p.span : 3 * size_;
     step_ = size_ / 16;
@@ -164,29 +164,36 @@ class Arches {
     return sized(w, std::max(*foot0, *foot1), face.position.z);
   }
 
-  /// A window from the face to a shaft that opens behind the rim.
+  /// A window from the face to a shaft that opens behind the rim: as near as rock enough is left between
+  /// them.
   std::optional<Found<impl::Window>> behind_rim(const SurfacePoint& face) const {
     const Vec3d inward = normalized(Vec3d{-to_double(face.normal).x, -to_double(face.normal).y, 0});
     const Vec3d before = face.position - inward * (2 * step_);
     const auto low = foot(before);
     if (!low) return {};
-    const double strip = std::max(1.2 * roof_, 0.45 * size_), radius = 0.28 * size_;
-    const double depth = strip + 1.1 * radius;
-    const Vec3d behind = face.position + inward * depth;
-    const double up = until(false, behind, {0, 0, 1}, 2.2 * size_);
-    // The rim must be near: behind the shaft the ground is no cliff of its own.
-    if (up < 0 || !solid(behind)) return {};
-    impl::Window w;
-    w.through = inward;
-    w.half_length = 0.5 * (depth + 6 * step_);
-    w.center = before + inward * (w.half_length - 2 * step_);
-    w.shaft_at = dot(behind - w.center, inward);
-    w.shaft_radius = radius;
-    auto made = sized(w, *low, face.position.z);
-    if (!made) return {};
-    made->what.shaft_top = behind.z + up + 0.5 * size_ - made->what.center.z;
-    made->merit -= 0.5;
-    return made;
+    const double radius = 0.28 * size_;
+    for (double strip : {0.45 * size_, 0.9 * size_, 1.5 * size_}) {
+      const double depth = std::max(1.2 * roof_, strip) + 1.1 * radius;
+      const Vec3d behind = face.position + inward * depth;
+      const double up = until(false, behind, {0, 0, 1}, 2.2 * size_);
+      if (up < 0 || !solid(behind)) continue;
+      bool bears = true;
+      for (double z : {0.3, 0.5, 0.7})
+        bears = bears && solid(behind - inward * (1.6 * radius) + Vec3d{0, 0, z * up});
+      if (!bears) continue;
+      impl::Window w;
+      w.through = inward;
+      w.half_length = 0.5 * (depth + 6 * step_);
+      w.center = before + inward * (w.half_length - 2 * step_);
+      w.shaft_at = dot(behind - w.center, inward);
+      w.shaft_radius = radius;
+      auto made = sized(w, *low, face.position.z);
+      if (!made) return {};
+      made->what.shaft_top = behind.z + up + 0.5 * size_ - made->what.center.z;
+      made->merit -= 0.5;
+      return made;
+    }
+    return {};
   }
 
   /// Fits the opening between the ground at its foot and the roof that must remain above it.
@@ -214,9 +221,10 @@ class Arches {
       if (wall > 0) free = std::min(free, 0.6 * wall);
     }
     w.half_width = free;
-    if (w.half_width < 0.35 * w.half_height) return {};
+    if (w.half_width < 0.6 * w.half_height) return {};
     const double slender = w.half_length / thickness_;
-    return Found<impl::Window>{1 - rho + 0.5 * height / size_ - 0.4 * slender, w};
+    const double area = 4 * w.half_width * w.half_height / (size_ * size_);
+    return Found<impl::Window>{1 - rho + 0.7 * area - slender, w};
   }
 
   /// A bridge to the opposite face of a narrow valley.
@@ -237,7 +245,7 @@ class Arches {
     }
     const double up = until(false, face.position - outward * (3 * step_), {0, 0, 1}, 2 * size_);
     if (up < 0) return {};
-    return Found<impl::Bridge>{-gap / span_ - up / size_, bridge(face.position, other)};
+    return Found<impl::Bridge>{gap / span_ - up / size_, bridge(face.position, other)};
   }
 
   // --- Building ---
@@ -347,12 +355,23 @@ class Arches {
         else
           rock.push_back(crown + w.along() * (s * w.half_width) + Vec3d{0, 0, z * w.half_height});
       }
+    if (w.shaft_radius > 0) skin(w, shape.margin(), rock);
     std::vector<float> remains(rock.size()), gone(rock.size());
     field_.values(rock, remains);
     shape.values(rock, gone);
     for (std::size_t i = 0; i < rock.size(); ++i)
       if (remains[i] <= 0 || gone[i] >= 0) return false;
     return true;
+  }
+
+  /// Places around a shaft, from the roof of its window to the ground about it, which must stay rock.
+  void skin(const impl::Window& w, double margin, std::vector<Vec3d>& rock) const {
+    const Vec3d axis = w.center + w.through * w.shaft_at;
+    const double top = w.shaft_top - 0.5 * size_ - 0.15 * size_;
+    const double around = 1.2 * w.shaft_radius + margin;
+    for (double z = w.half_height + margin + 0.5 * roof_; z < top; z += 2 * step_)
+      for (const Vec3d& d : {-w.through, w.along(), -w.along()})
+        rock.push_back(axis + d * around + Vec3d{0, 0, z});
   }
 
   void report_place(Vec3d p) {
