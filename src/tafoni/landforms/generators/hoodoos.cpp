@@ -40,7 +40,7 @@ Rows default_rules() {
        {"make", "Cap(s = s*(1.3 - c))"}},
       {{"symbol", "Bed"},
        {"make",
-        "cylinder(base = 0.66*s - skin, dz = bed, radius = 0.15);"
+        "cylinder(base = max(0.66*s, 0.32*radius) - skin, dz = bed, radius = 0.15);"
         "cylinder(repeat = b, turn = 360*i/n, x = 0.58*s, z = 0.2*bed, dz = 0.6*bed, radius = 0.15,"
         " base = s*(0.4 + 0.12*sin(a + 97*i)) - skin)"}},
       {{"symbol", "Cap"},
@@ -108,8 +108,9 @@ struct Params {
 const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     ParamTable<Params> t;
-    t.real("radius", &Params::radius, "m", 0, 200,
-           "half the width of a middling trunk, 0 for a third of a pixel of the terrain but 2.5 m at least")
+    t.real(
+         "radius", &Params::radius, "m", 0, 200,
+         "half the width of a middling trunk, 0 for two fifths of a pixel of the terrain but 2.5 m at least")
         .numbers("height", &Params::height, "", 2, 0.1, 100,
                  "least and greatest height over the ground, as multiples of the radius")
         .real("spacing", &Params::spacing, "m", 0, 2000,
@@ -152,7 +153,7 @@ class Hoodoos {
     if (p.height[0] > p.height[1] || p.slope[0] > p.slope[1])
       fail(ErrorKind::usage, "hoodoos: {} must not begin with the greater number",
            p.height[0] > p.height[1] ? "height" : "slope");
-    radius_ = p.radius > 0 ? p.radius : std::max(2.5, 0.33 * ground_.pixel());
+    radius_ = p.radius > 0 ? p.radius : std::max(2.5, 0.4 * ground_.pixel());
     blend_ = p.blend > 0 ? p.blend : radius_ / 5;
     bedding_ = p.bedding > 0 ? p.bedding : radius_ / 2;
     roughness_ = 0.06 * p.roughness * radius_;
