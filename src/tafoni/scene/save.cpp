@@ -86,6 +86,20 @@ std::string fresh(const GeologySettings& geology, const std::string& path) {
   return out;
 }
 
+/// Nested geologies as an array of inline tables.
+std::string inline_text(const std::vector<GeologySettings>& list) {
+  std::string out;
+  for (const GeologySettings& geology : list) {
+    const View v = view(geology, "geology");
+    out += (out.empty() ? "{type = " : ", {type = ") + to_toml(geology.type);
+    for (const ParamInfo& info : v.infos())
+      if (const Value value = v.value(info); value != info.init)
+        out += fmt::format(", {} = {}", info.name, to_toml(value));
+    out += geology.of.empty() ? "}" : ", of = " + inline_text(geology.of) + "}";
+  }
+  return "[" + out + "]";
+}
+
 template <class T>
 void append_blocks(std::string& out, const std::vector<T>& items, const std::string& path) {
   for (const T& item : items) out += "\n" + fresh(item, path);
@@ -216,7 +230,14 @@ class Refill {
 
 std::string edited(const impl::Block& block, const GeologySettings& before, const GeologySettings& now) {
   const std::string nested = block.name + ".of";
-  const auto parts = edited_parts(block, view(before, block.name), view(now, block.name));
+  auto parts = edited_parts(block, view(before, block.name), view(now, block.name));
+  const auto own = impl::statements(parts.front().text);
+  if (std::any_of(own.begin(), own.end(),
+                  [](const auto& s) { return s.kind == impl::Statement::key && s.name == "of"; })) {
+    if (const std::string text = inline_text(now.of); text != inline_text(before.of))
+      impl::edit(parts.front(), "of", text);
+    return parts.front().text;
+  }
   std::string out;
   for (const impl::Block& part : parts)
     if (part.name != nested) join(out, part.text);

@@ -343,6 +343,21 @@ TEST(Nesting, SavesKeepComments) {
   EXPECT_TRUE(same(parse_scene(to_text(d), "s.toml"), d)) << to_text(d);
 }
 
+TEST(Nesting, InlineTablesAreEditedInPlace) {
+  constexpr std::string_view text =
+      "# Mine.\n[terrain]\nsource = \"a.tif\"\n\n[[geology]]\ntype = \"fold\"\n"
+      "of = [{type = \"taper\", of = [{type = \"planes\"}]}]  # inside\nheight = 3  # metres\n";
+  Document d = parse_scene(text, "s.toml");
+  set(d, "planes.dip=12");
+  set(d, "fold.height=4");
+  EXPECT_EQ(to_text(d),
+            "# Mine.\n[terrain]\nsource = \"a.tif\"\n\n[[geology]]\ntype = \"fold\"\n"
+            "of = [{type = \"taper\", of = [{type = \"planes\", dip = 12.0}]}]  # inside\nheight = 4.0  # "
+            "metres\n");
+  d.geology[0].of[0].of[0] = {"strata", {}, 0};
+  EXPECT_TRUE(same(parse_scene(to_text(d), "s.toml"), d));
+}
+
 TEST(Nesting, TooDeepIsRefused) {
   std::string text = "[terrain]\nsource = \"a\"\n", path = "geology";
   for (int depth = 0; depth < 40; ++depth, path += ".of") text += "[[" + path + "]]\ntype = \"blend\"\n";
