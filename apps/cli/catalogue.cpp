@@ -97,6 +97,23 @@ std::string init_text(const ParamInfo& info) {
   return init == "\"\"" || init == "[]" ? "none" : init;
 }
 
+/// A table as a scene file may hold it, a row a line, without what goes without saying; empty when not one.
+std::string rows_text(const ParamInfo& info) {
+  const auto* rows = std::get_if<Rows>(&info.init);
+  if (!rows || rows->empty()) return {};
+  std::string out = "[\n";
+  for (const Row& row : *rows) {
+    std::string cells;
+    for (const ParamInfo& column : info.columns) {
+      const auto found = row.find(column.name);
+      if (found == row.end() || Value(found->second) == column.init) continue;
+      cells += fmt::format("{}{} = {}", cells.empty() ? "" : ", ", column.name, to_toml(found->second));
+    }
+    out += fmt::format("    {{{}}},\n", cells);
+  }
+  return out + "  ]";
+}
+
 Topic common_options() {
   CommonOptions options;
   Args args("common", "");
@@ -134,8 +151,9 @@ void markdown(std::string& out, const CatalogueEntry& entry, bool examples) {
   if (!entry.params.empty()) {
     out += "| parameter | default | allowed | what it does |\n|---|---|---|---|\n";
     for (const ParamInfo& info : entry.params)
-      out += fmt::format("| `{}` | {} | {} | {} |\n", info.name, cell(init_text(info)), cell(allowed(info)),
-                         cell(doc_text(info, "; ")));
+      out += fmt::format("| `{}` | {} | {} | {} |\n", info.name,
+                         rows_text(info).empty() ? cell(init_text(info)) : "as `tafoni list` prints it",
+                         cell(allowed(info)), cell(doc_text(info, "; ")));
     out += "\n";
   }
   if (!entry.options.empty()) {
@@ -184,9 +202,11 @@ std::string text(const CatalogueEntry& entry) {
   std::string out = fmt::format("{}: {}\n", entry.name, entry.doc);
   if (!entry.source.empty()) out += fmt::format("source: {}\n", entry.source);
   if (!entry.note.empty()) out += entry.note + "\n";
-  for (const ParamInfo& info : entry.params)
-    out += fmt::format("\n  {} = {}   ({})\n      {}\n", info.name, init_text(info), allowed(info),
-                       doc_text(info, "\n        "));
+  for (const ParamInfo& info : entry.params) {
+    const std::string rows = rows_text(info);
+    out += fmt::format("\n  {} = {}   ({})\n      {}\n", info.name, rows.empty() ? init_text(info) : rows,
+                       allowed(info), doc_text(info, "\n        "));
+  }
   for (const Args::Entry& option : entry.options)
     out += fmt::format("\n  {}\n      {}\n", flags_text(option), option.doc);
   return out;
