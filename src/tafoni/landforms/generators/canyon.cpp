@@ -27,7 +27,7 @@ struct Params {
   double radius = 0;
   double spacing = 0;
   double undercut = 0.85;
-  double bed = 0.25;
+  double bed = 0.08;
   double beta = 0.2;
   double cutoff = 0.12;
   double roughness = 0.5;
@@ -168,7 +168,7 @@ class CanyonWalls {
     sampling.spacing = p_.spacing;
     sampling.box = ground_.box();
     sampling.seed = hash_combine(ground_.site().seed, 0xa0);
-    sampling.maybe = [this](Vec3d p, double around) { return streams_->near(p, around); };
+    sampling.maybe = [this](Vec3d p, double around) { return streams_->near(p, around, p_.height); };
     // The effect is never above the stress.
     sampling.accept = [this](const SurfacePoint& at) {
       return stress(at) >= std::max(p_.cutoff, 1e-6) && ground_.usable(at.position);

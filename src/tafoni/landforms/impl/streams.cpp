@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/landforms/erosion.h"
@@ -130,7 +131,8 @@ void Streams::flood(raster::Grid<float>& stress, raster::Grid<float>& level) con
 void Streams::spread() {
   const int width = stress_.width(), height = stress_.height();
   reach_ = raster::Grid<Reach>(width, height);
-  tiles_ = raster::Grid<std::uint8_t>((width + tile - 1) / tile, (height + tile - 1) / tile);
+  tiles_ = raster::Grid<float>((width + tile - 1) / tile, (height + tile - 1) / tile,
+                               -std::numeric_limits<float>::infinity());
   if (cells_ == 0) return;
   raster::Grid<float> stress = stress_, level(width, height);
   flood(stress, level);
@@ -164,7 +166,8 @@ void Streams::spread() {
       const float flow = std::hypot(s[3], s[4]);
       reach_.at(col, row) = {covered * s[1] / s[0], s[2] / s[0], flow > 0 ? s[3] / flow : 0,
                              flow > 0 ? s[4] / flow : 0};
-      tiles_.at(col / tile, row / tile) = 1;
+      float& highest = tiles_.at(col / tile, row / tile);
+      highest = std::max(highest, reach_.at(col, row).bed);
     }
 }
 
@@ -175,7 +178,8 @@ Streams::Bank Streams::at(Vec3d p) const {
   return {static_cast<double>(r.stress), static_cast<double>(r.bed), {r.flow_x, r.flow_y}};
 }
 
-bool Streams::near(Vec3d p, double around) const {
+bool Streams::near(Vec3d p, double around, double height) const {
+  const auto low = static_cast<float>(p.z - around - height);
   const Vec2d a = filled_.placement.pixel(p.x - around, p.y + around);
   const Vec2d b = filled_.placement.pixel(p.x + around, p.y - around);
   const auto index = [](double v, int count) {
@@ -183,7 +187,7 @@ bool Streams::near(Vec3d p, double around) const {
   };
   for (int row = index(a.y, tiles_.height()); row <= index(b.y, tiles_.height()); ++row)
     for (int col = index(a.x, tiles_.width()); col <= index(b.x, tiles_.width()); ++col)
-      if (tiles_.at(col, row)) return true;
+      if (tiles_.at(col, row) > low) return true;
   return false;
 }
 
@@ -258,12 +262,10 @@ std::vector<Streams::Course> Streams::courses(std::size_t count) const {
       mouth = i;
     }
     if (mouth < 0) break;
-    // A river's last cells before the rim do not count as its bed, but belong to its course.
-    for (int k = 0; k < 8; ++k) {
-      const std::ptrdiff_t next = receiver(mouth);
-      if (next < 0 || taken[static_cast<std::size_t>(next)]) break;
+    // Where a bed is broad the most water may run in one cell far upstream; down from there to the rim.
+    for (std::ptrdiff_t next = mouth; next >= 0 && !taken[static_cast<std::size_t>(next)];
+         next = receiver(next))
       mouth = next;
-    }
     Course course = trace(mouth, taken);
     if (course.line.size() >= 8) out.push_back(std::move(course));
   }

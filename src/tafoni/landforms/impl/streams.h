@@ -31,8 +31,8 @@ class Streams {
     Vec2d flow;         ///< unit, or 0
   };
   Bank at(Vec3d p) const;
-  /// Whether a flood may reach places within `around` metres of p.
-  bool near(Vec3d p, double around) const;
+  /// Whether a flood may reach places within `around` metres of p, if it acts up to `height` above the bed.
+  bool near(Vec3d p, double around, double height) const;
 
   struct Course {
     std::vector<Vec3d> line;  ///< on the bed, upstream from where it leaves or joins another; a pixel apart
@@ -57,7 +57,7 @@ class Streams {
     float stress = 0, bed = 0, flow_x = 0, flow_y = 0;
   };
   raster::Grid<Reach> reach_;
-  raster::Grid<std::uint8_t> tiles_;  ///< 8 x 8 cells each: whether any of them has stress
+  raster::Grid<float> tiles_;  ///< of 8 x 8 cells each: the highest bed of those that have stress
   std::size_t cells_ = 0;
 };
 
