@@ -56,7 +56,7 @@ const ParamTable<Params>& table() {
         .real("radius", &Params::radius, "m", 0, 500,
               "reach of one carving primitive, 0 for 2.5 m or 1.2 pixels of the terrain, whichever is more")
         .real("spacing", &Params::spacing, "m", 0, 500,
-              "least distance between places that are carved, 0 for half the radius")
+              "least distance between places that are carved, 0 for 0.6 times the radius")
         .real("undercut", &Params::undercut, "", 0, 1,
               "how much more walls give way that the river runs against")
         .real("bed", &Params::bed, "", 0, 1, "how much the bed itself is cut, as a share of what walls are")
@@ -83,7 +83,7 @@ Params settled(Params p, const Ground& ground) {
                height = heights.placement.dy * heights.height();
   pick(p.catchment, std::max(0.004 * width * height, 4 * std::hypot(width, height) * ground.pixel()));
   pick(p.radius, std::max(2.5, 1.2 * ground.pixel()));
-  pick(p.spacing, 0.5 * p.radius);
+  pick(p.spacing, 0.6 * p.radius);
   pick(p.flood, 0.8 * p.radius);
   pick(p.banks, 4 * p.radius);
   pick(p.height, 12 * p.radius);
@@ -142,20 +142,34 @@ class CanyonWalls {
     return 1 - p_.undercut * (0.5 - 0.5 * std::clamp(2.5 * into, -1.0, 1.0));
   }
 
-  /// Smooth over several primitives, or neighbours would bore holes of their own instead of one notch.
-  double uneven(Vec3d p) const {
-    const double t =
-        fbm((p + ground_.site().origin) * (0.2 / p_.radius), 2, hash_combine(ground_.site().seed, 0xa1));
-    return std::max(0.0, 1 + 2.4 * p_.roughness * (t - 0.5));
+  /// A factor, smooth over several primitives, or neighbours would bore holes of their own instead of one
+  /// notch.
+  std::vector<float> unevenness(const std::vector<SurfacePoint>& places) const {
+    std::vector<Vec3d> scaled(places.size());
+    for (std::size_t i = 0; i < places.size(); ++i)
+      scaled[i] = (places[i].position + ground_.site().origin) * (0.2 / p_.radius);
+    std::vector<float> out(places.size());
+    fbm(scaled, 2, hash_combine(ground_.site().seed, 0xa1), out);
+    const auto strength = static_cast<float>(2.4 * p_.roughness);
+    for (float& t : out) t = std::max(0.0f, 1 + strength * (t - 0.5f));
+    return out;
   }
 
   /// rho, averaged along the bed for the same reason.
-  double resistance(const SurfacePoint& at) const {
-    const Vec3d wall = horizontal(at.normal);
-    const Vec3d aside = Vec3d{-wall.y, wall.x, 0} * (1.6 * p_.radius), in = wall * (-0.8 * p_.radius);
-    return (ground_.resistance(at.position) + ground_.resistance(at.position + in + aside) +
-            ground_.resistance(at.position + in - aside)) /
-           3;
+  std::vector<float> resistances(const std::vector<SurfacePoint>& places) const {
+    std::vector<float> out(places.size(), 0.5f);
+    if (!ground_.site().geology) return out;
+    std::vector<Vec3d> points;
+    points.reserve(3 * places.size());
+    for (const SurfacePoint& at : places) {
+      const Vec3d wall = horizontal(at.normal);
+      const Vec3d aside = Vec3d{-wall.y, wall.x, 0} * (1.6 * p_.radius), in = wall * (-0.8 * p_.radius);
+      points.insert(points.end(), {at.position, at.position + in + aside, at.position + in - aside});
+    }
+    std::vector<float> rho(points.size());
+    ground_.site().geology->resistances(points, rho);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = (rho[3 * i] + rho[3 * i + 1] + rho[3 * i + 2]) / 3;
+    return out;
   }
 
   struct Attack {
@@ -175,14 +189,12 @@ class CanyonWalls {
     };
     const auto field = field::compile(ground_.site().terrain);
     const auto points = sample_surface(field, sampling, progress_);
-    std::vector<Attack> attacks(points.size());
-    parallel_blocks(static_cast<std::int64_t>(points.size()), 256, [&](std::int64_t begin, std::int64_t end) {
-      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-        const double e = erosion_effect(resistance(points[i]), stress(points[i]), p_.beta);
-        attacks[i] = {points[i], e < p_.cutoff ? 0 : e * uneven(points[i].position)};
-      }
-    });
-    std::erase_if(attacks, [](const Attack& a) { return a.effect <= 0; });
+    const auto rho = resistances(points), uneven = unevenness(points);
+    std::vector<Attack> attacks;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double e = erosion_effect(static_cast<double>(rho[i]), stress(points[i]), p_.beta);
+      if (e >= p_.cutoff && uneven[i] > 0) attacks.push_back({points[i], e * static_cast<double>(uneven[i])});
+    }
     return attacks;
   }
 
@@ -196,7 +208,7 @@ class CanyonWalls {
   std::vector<Cut> cuts() {
     std::vector<Cut> out;
     Random random(ground_.site().seed, 0xa2);
-    const double step = 0.7 * p_.radius;
+    const double step = 0.5 * p_.radius;
     for (const Attack& a : attacks()) {
       strongest_ = std::max(strongest_, a.effect);
       const Vec3d inward = normalized(horizontal(a.at.normal) * -1.0 - to_double(a.at.normal) * 0.35);

@@ -173,8 +173,8 @@ void Streams::spread() {
 
 Streams::Bank Streams::at(Vec3d p) const {
   const Vec2d at = filled_.placement.pixel(p.x, p.y);
-  const Reach& r = reach_.at(std::clamp(static_cast<int>(std::lround(at.x)), 0, reach_.width() - 1),
-                             std::clamp(static_cast<int>(std::lround(at.y)), 0, reach_.height() - 1));
+  const Reach& r = reach_.at(static_cast<int>(std::clamp(at.x + 0.5, 0.0, reach_.width() - 1.0)),
+                             static_cast<int>(std::clamp(at.y + 0.5, 0.0, reach_.height() - 1.0)));
   return {static_cast<double>(r.stress), static_cast<double>(r.bed), {r.flow_x, r.flow_y}};
 }
 
