@@ -81,7 +81,7 @@ class Builder {
   /// Cliffs of massive sandstone between thin ledges, over an apron of scree.
   impl::FaceBeds beds() const {
     const double d = p_.depth;
-    return {{0.10 * d, 0.26 * d}, {0.10, 0.24}, {0.012 * d, 0.04 * d}, {0.9, 2.2}, 0.07 * d, 1.1};
+    return {{0.10 * d, 0.26 * d}, {0.10, 0.24}, {0.012 * d, 0.04 * d}, {0.9, 2.2}, 0.03 * d, 0.9};
   }
 
   impl::ValleyMap valleys() const {
