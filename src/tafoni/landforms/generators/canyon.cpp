@@ -64,7 +64,9 @@ const ParamTable<Params>& table() {
         .real("cutoff", &Params::cutoff, "", 0, 1, "erosion effect below which nothing is carved")
         .real("roughness", &Params::roughness, "", 0, 1, "unevenness of what is carved")
         .real("slot_depth", &Params::slot_depth, "m", 0, 1000,
-              "depth of the slot canyons cut into the beds of the strongest rivers, 0 for none")
+              "depth of the slot canyons cut into the beds of the strongest rivers, 0 for none; the terrain "
+              "needs as much "
+              "rock below")
         .real("slot_width", &Params::slot_width, "m", 0, 200,
               "width of a slot canyon, 0 for twice the radius")
         .integer("slots", &Params::slots, "", 1, 100,

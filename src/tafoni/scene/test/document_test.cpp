@@ -9,6 +9,7 @@
 #include "tafoni/geology/kind.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/scene/csv.h"
+#include "tafoni/terrain/generator.h"
 
 namespace tafoni::scene {
 namespace {
@@ -491,6 +492,12 @@ TEST(ParseScene, EveryDefaultIsAllowed) {
   all_allowed(layer_params(), "layer");
   for (const auto* type : landforms::all_landforms()) all_allowed(type->params, type->name);
   for (const auto* type : geology::all_geologies()) all_allowed(type->params, type->name);
+}
+
+TEST(ParseScene, NoParameterOfAGeneratorHidesAKeyOfTheTerrain) {
+  for (const terrain::GeneratorType* type : terrain::all_generators())
+    for (const ParamInfo& own : type->params)
+      for (const ParamInfo& key : terrain_params()) EXPECT_NE(own.name, key.name) << type->name;
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ using impl::soft_min;
 struct Canyon : GridSettings {
   Canyon() { width = height = 1100; }
   double elevation = 1300;
-  double depth = 260;
+  double relief = 260;
   double river = 14;
   double gradient = 0.02;
   double meander = 520;
@@ -39,7 +39,7 @@ const ParamTable<Canyon>& table() {
     add_grid_params(t);
     t.real("elevation", &Canyon::elevation, "m", -1000, 8000,
            "elevation of the river at the map's southern edge")
-        .real("depth", &Canyon::depth, "m", 5, 3000, "height of the mesa above the river")
+        .real("relief", &Canyon::relief, "m", 5, 3000, "height of the mesa above the river")
         .real("river", &Canyon::river, "m", 1, 2000, "width of the river's bed")
         .real("gradient", &Canyon::gradient, "", 0, 0.2, "fall of the river, metres per metre")
         .real("meander", &Canyon::meander, "m", 20, 50000, "length of the river from bend to like bend")
@@ -61,7 +61,7 @@ class Builder {
         seed_(seed),
         extent_{p.pixel * static_cast<double>(p.width), p.pixel * static_cast<double>(p.height)},
         placement_{0, extent_.y, p.pixel, p.pixel},
-        face_(1.5 * (p.depth + p.domes) + 20, beds(), seed) {}
+        face_(1.5 * (p.relief + p.domes) + 20, beds(), seed) {}
 
   raster::Raster run(Progress& progress) {
     progress.begin("canyon", static_cast<std::uint64_t>(p_.height), "rows");
@@ -80,7 +80,7 @@ class Builder {
  private:
   /// Cliffs of massive sandstone between thin ledges, over an apron of scree.
   impl::FaceBeds beds() const {
-    const double d = p_.depth;
+    const double d = p_.relief;
     return {{0.10 * d, 0.26 * d}, {0.10, 0.24}, {0.012 * d, 0.04 * d}, {0.9, 2.2}, 0.03 * d, 0.9};
   }
 
@@ -94,7 +94,7 @@ class Builder {
     sides.length[0] = 0.5 * p_.side_length;
     sides.length[1] = 1.5 * p_.side_length;
     sides.apart = 0.17 * p_.side_length;
-    sides.head = 0.96 * p_.depth;
+    sides.head = 0.96 * p_.relief;
     sides.steepening = 1.7;
     sides.half_width[0] = 0.3 * p_.river;
     sides.half_width[1] = 0.05 * p_.river;
@@ -142,7 +142,7 @@ class Builder {
       const double flute = p_.roughness * up * (1.1 * grain[i] + 1.6 * (std::abs(flutes[i]) - 0.35));
       const double wall = face_.height(at.reach + flute);
       const double least = at.river->bed + 0.05 * at.off_bank;
-      const double h = soft_min(std::max(wall, least), std::max(summit[i], least + 1), 0.06 * p_.depth);
+      const double h = soft_min(std::max(wall, least), std::max(summit[i], least + 1), 0.06 * p_.relief);
       out[i] = static_cast<float>(p_.elevation + std::max(h, least));
     }
   }
@@ -159,14 +159,14 @@ class Builder {
                            const std::vector<impl::ValleyMap::Place>& places) const {
     const auto hills = noise(420, 2, 10, points), domes = noise(330, 2, 11, points);
     const auto knobs = noise(110, 2, 12, points), grain = noise(10, 4, 13, points);
-    const double rim = face_.reach(p_.depth);
+    const double rim = face_.reach(p_.relief);
     std::vector<double> out(points.size());
     for (std::size_t i = 0; i < out.size(); ++i) {
       const double dome = 1 - std::abs(domes[i]), knob = std::abs(knobs[i]);
       const double back = std::max(0.0, places[i].reach - 0.7 * rim);
-      out[i] = p_.depth * (1 + 0.06 * hills[i]) + p_.gradient * points[i].y +
+      out[i] = p_.relief * (1 + 0.06 * hills[i]) + p_.gradient * points[i].y +
                p_.domes * (0.75 * (1 - dome * dome) + 0.16 * knob) + 0.5 * p_.roughness * grain[i] +
-               0.10 * p_.depth * (1 - std::exp(-back / (0.5 * p_.depth))) - 0.1 * p_.depth;
+               0.10 * p_.relief * (1 - std::exp(-back / (0.5 * p_.relief))) - 0.1 * p_.relief;
     }
     return out;
   }

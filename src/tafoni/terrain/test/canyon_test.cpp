@@ -70,7 +70,7 @@ TEST(Canyon, ParametersDoWhatTheySay) {
   const auto highest = [](const raster::Raster& r) {
     return *std::max_element(r.values.values().begin(), r.values.values().end());
   };
-  EXPECT_LT(highest(canyon(1, {{"depth", 80.0}})), 1440);
+  EXPECT_LT(highest(canyon(1, {{"relief", 80.0}})), 1440);
   EXPECT_LT(share_steeper(canyon(1, {{"sides", 0.0}}), 1.7f), 0.8 * share_steeper(canyon(1), 1.7f));
   const auto wide = canyon(1, {{"river", 200.0}}), narrow = canyon(1);
   const auto floor = [](const raster::Raster& r) {
