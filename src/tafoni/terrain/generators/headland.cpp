@@ -21,7 +21,7 @@ struct Headland : GridSettings {
   double breadth = 170;
   double cliff = 5;
   double bed = 4;
-  double depth = 6;
+  double sea_depth = 6;
   double beach = 22;
   double roughness = 1;
 };
@@ -35,7 +35,7 @@ const ParamTable<Headland>& table() {
         .real("breadth", &Headland::breadth, "m", 5, 20000, "breadth of the headland")
         .real("cliff", &Headland::cliff, "m", 0.5, 500, "width of the cliffs on the map")
         .real("bed", &Headland::bed, "m", 0.2, 200, "thickness of the beds, which step the cliffs")
-        .real("depth", &Headland::depth, "m", 0, 500, "depth of the water some way off the cliffs")
+        .real("sea_depth", &Headland::sea_depth, "m", 0, 500, "depth of the water some way off the cliffs")
         .real("beach", &Headland::beach, "m", 0, 500, "width of the beaches in the coves")
         .real("roughness", &Headland::roughness, "", 0, 4, "strength of small relief");
     return t;
@@ -71,7 +71,7 @@ class Builder {
     const double whole = std::floor(rise * beds), part = rise * beds - whole;
     rise = (whole + smooth(2 * part)) / beds;
     const double foot = -0.5;
-    const double floor = foot - p_.depth * (1 - std::exp(std::min(d, 0.0) / 25));
+    const double floor = foot - p_.sea_depth * (1 - std::exp(std::min(d, 0.0) / 25));
     const double face = d > 0 ? foot + (plateau - foot) * rise : floor;
     const double sand = 1.5 + (d - 2) * 2.5 / std::max(p_.beach, 1e-6) + 0.3 * p_.roughness * top_.at(p);
     const double beached =
