@@ -18,7 +18,7 @@ struct Headland : GridSettings {
   Headland() { width = height = 400; }
   double elevation = 24;
   double reach = 70;
-  double breadth = 170;
+  double breadth = 140;
   double cliff = 5;
   double bed = 4;
   double sea_depth = 6;
@@ -96,16 +96,17 @@ class Builder {
   }
 
  private:
-  /// The shore's distance south of the map's middle.
+  /// How far the shore lies south of the map's middle, without its small bends.
   double line(double x) const {
     const double u = (x - middle_ - skew_) / (0.5 * p_.breadth);
-    return p_.reach * (std::exp(-u * u * u * u) - 0.5) + 0.06 * p_.breadth * outline_.at({x, 0.0});
+    return p_.reach * (std::exp(-u * u * u * u) - 0.5);
   }
   /// About the distance from the shore, positive on land.
   double inland(Vec2d p) const {
-    const double slope = line(p.x + 1) - line(p.x - 1);
-    const double plain = (p.y - shore_ + line(p.x)) / std::hypot(1.0, 0.5 * slope);
-    return plain + p_.roughness * (2.2 * joints_.at(p) + 0.5 * rock_.at(p));
+    const double plain = (p.y - shore_ + line(p.x)) / std::hypot(1.0, 0.5 * (line(p.x + 1) - line(p.x - 1)));
+    const double bends =
+        0.06 * p_.breadth * outline_.at(p) + p_.roughness * (2.2 * joints_.at(p) + 0.5 * rock_.at(p));
+    return plain + bends * std::exp(-std::abs(plain) / p_.breadth);
   }
 
   Headland p_;
