@@ -8,6 +8,7 @@
 #include "tafoni/geology/kind.h"
 #include "tafoni/io/format.h"
 #include "tafoni/landforms/landform.h"
+#include "tafoni/scene/brush.h"
 #include "tafoni/scene/document.h"
 #include "tafoni/terrain/generator.h"
 
@@ -20,6 +21,18 @@ Topic topic(const char* name, const char* doc, std::span<const T* const> types) 
   Topic out{name, doc, {}};
   for (const T* type : types)
     out.entries.push_back({type->name, type->doc, type->source, {}, type->params, {}});
+  return out;
+}
+
+Topic brushes() {
+  Topic out = topic("brushes", "What strokes are made with", scene::all_brushes());
+  out.entries.insert(out.entries.begin(),
+                     {"stroke",
+                      "What every stroke can say besides its brush, its points (at) and the brush's own",
+                      "document 003, section 8.2",
+                      {},
+                      scene::stroke_params(),
+                      {}});
   return out;
 }
 
@@ -173,6 +186,7 @@ std::vector<Topic> catalogue() {
           topic("landforms", "Layers that shape the terrain", landforms::all_landforms()),
           rocks(),
           topic("generators", "Built-in elevation models", terrain::all_generators()),
+          brushes(),
           topic("primitives", "Leaves of construction trees", field::all_primitives()),
           topic("operators", "How trees are combined, moved and eroded", field::all_operators()),
           formats()};

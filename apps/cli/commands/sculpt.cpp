@@ -65,20 +65,16 @@ std::string as_file(const std::vector<scene::Journal::Entry>& strokes) {
 /// What changes the journal, in the order in which --help names it.
 void edit(const Sculpt& s, scene::Session& session, std::size_t layer,
           const std::vector<scene::Stroke>& strokes, Console& console) {
-  const auto count = [](std::size_t n) { return fmt::format("{} stroke{}", n, n == 1 ? "" : "s"); };
-  if (s.undo)
-    console.print(fmt::format("undone  {}\n", count(session.undo(layer, static_cast<std::size_t>(*s.undo)))));
-  if (s.redo)
-    console.print(fmt::format("redone  {}\n", count(session.redo(layer, static_cast<std::size_t>(*s.redo)))));
+  const auto say = [&](const char* what, std::size_t n) {
+    if (!console.json()) console.print(fmt::format("{}  {} stroke{}\n", what, n, n == 1 ? "" : "s"));
+  };
+  if (s.undo) say("undone", session.undo(layer, static_cast<std::size_t>(*s.undo)));
+  if (s.redo) say("redone", session.redo(layer, static_cast<std::size_t>(*s.redo)));
   if (s.mute) session.mute_stroke(layer, *s.mute, true);
   if (s.unmute) session.mute_stroke(layer, *s.unmute, false);
   if (strokes.empty()) return;
   session.stroke(layer, strokes);
-  console.print(
-      fmt::format("stored  {} in {}\n", count(strokes.size()),
-                  session.document()
-                      .resolved(std::get<std::string>(session.document().layers[layer].values.at("journal")))
-                      .string()));
+  say("stored", strokes.size());
 }
 
 int run(const Sculpt& s, Console& console) {
