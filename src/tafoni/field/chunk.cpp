@@ -168,9 +168,11 @@ void ChunkEvaluator::gradients(std::span<const Vec3d> points, std::span<float> v
   for (std::size_t b = 0; b + 1 < begin.size(); ++b) {
     if (begin[b] == begin[b + 1]) continue;
     s.work.lists(b, work.lists());
-    for (std::uint32_t i = begin[b]; i < begin[b + 1]; i += 8) {
-      const auto pack = std::span(order).subspan(i, std::min<std::size_t>(8, begin[b + 1] - i));
-      work.load(points, pack);
+    const auto group = std::span<const std::uint32_t>(order).subspan(begin[b], begin[b + 1] - begin[b]);
+    work.ask_nested(s.work.program(), points, group, true);
+    for (std::size_t i = 0; i < group.size(); i += impl::PointWork::pack_size) {
+      const auto pack = group.subspan(i, std::min(impl::PointWork::pack_size, group.size() - i));
+      work.load(points, pack, i);
       const impl::PointValues& g = work.gradients(s.work.program());
       for (std::size_t l = 0; l < pack.size(); ++l) {
         values[pack[l]] = g.v[l];

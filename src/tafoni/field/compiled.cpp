@@ -63,7 +63,7 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points) {
 /// Calls run(work, indices) for packs of up to eight neighbouring points, loaded and with their primitives
 /// found.
 template <class Run>
-void in_packs(const Program& program, std::span<const Vec3d> points, const Run& run) {
+void in_packs(const Program& program, std::span<const Vec3d> points, bool with_gradients, const Run& run) {
   constexpr std::size_t few = 64, group_size = 64, pack_size = 8;
   std::vector<std::uint32_t> order;
   if (points.size() > few) {
@@ -95,9 +95,10 @@ void in_packs(const Program& program, std::span<const Vec3d> points, const Run& 
       const auto group = std::span(order).subspan(begin, next - begin);
       begin = next;
       work.collect(program, points, group);
+      work.ask_nested(program, points, group, with_gradients);
       for (std::size_t i = 0; i < group.size(); i += pack_size) {
         const auto pack = group.subspan(i, std::min(pack_size, group.size() - i));
-        work.load(points, pack);
+        work.load(points, pack, i);
         if (group.size() > pack_size) work.narrow(program);
         run(work, pack);
       }
@@ -120,7 +121,7 @@ float CompiledField::value(Vec3d p) const {
 
 void CompiledField::values(std::span<const Vec3d> points, std::span<float> out) const {
   if (out.size() != points.size()) fail(ErrorKind::internal, "values() wants one result a point");
-  in_packs(*program_, points, [&](impl::PointWork& work, std::span<const std::uint32_t> pack) {
+  in_packs(*program_, points, false, [&](impl::PointWork& work, std::span<const std::uint32_t> pack) {
     const float* f = work.values(*program_);
     for (std::size_t l = 0; l < pack.size(); ++l) out[pack[l]] = f[l];
   });
@@ -130,7 +131,7 @@ void CompiledField::gradients(std::span<const Vec3d> points, std::span<float> va
                               std::span<Vec3f> gradients) const {
   if (values.size() != points.size() || gradients.size() != points.size())
     fail(ErrorKind::internal, "gradients() wants one result a point");
-  in_packs(*program_, points, [&](impl::PointWork& work, std::span<const std::uint32_t> pack) {
+  in_packs(*program_, points, true, [&](impl::PointWork& work, std::span<const std::uint32_t> pack) {
     const impl::PointValues& g = work.gradients(*program_);
     for (std::size_t l = 0; l < pack.size(); ++l) {
       values[pack[l]] = g.v[l];

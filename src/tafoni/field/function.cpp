@@ -11,20 +11,22 @@
 namespace tafoni::field {
 
 void Function::gradients(std::span<const Vec3d> points, std::span<Vec3f> out) const {
+  constexpr std::size_t batch = 32, corners = 4;
+  constexpr Vec3d corner[corners] = {{1, -1, -1}, {-1, -1, 1}, {-1, 1, -1}, {1, 1, 1}};
   const double h = step();
-  std::vector<Vec3d> around;
-  around.reserve(6 * points.size());
-  for (const Vec3d& p : points)
-    for (const Vec3d& d : {Vec3d{h, 0, 0}, Vec3d{0, h, 0}, Vec3d{0, 0, h}}) {
-      around.push_back(p + d);
-      around.push_back(p - d);
+  const auto scale = static_cast<float>(0.25 / h);
+  Vec3d around[corners * batch];
+  float f[corners * batch];
+  for (std::size_t begin = 0; begin < points.size(); begin += batch) {
+    const std::size_t n = std::min(batch, points.size() - begin);
+    for (std::size_t i = 0; i < corners * n; ++i)
+      around[i] = points[begin + i / corners] + corner[i % corners] * h;
+    values({around, corners * n}, {f, corners * n});
+    for (std::size_t i = 0; i < n; ++i) {
+      const float* at = f + corners * i;
+      const float a = at[3] - at[2], b = at[0] - at[1], c = at[3] - at[0], d = at[2] - at[1];
+      out[begin + i] = {(a + b) * scale, (c + d) * scale, (a - b) * scale};
     }
-  std::vector<float> f(around.size());
-  values(around, f);
-  const auto scale = static_cast<float>(0.5 / h);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const float* at = f.data() + 6 * i;
-    out[i] = {(at[0] - at[1]) * scale, (at[2] - at[3]) * scale, (at[4] - at[5]) * scale};
   }
 }
 

@@ -16,7 +16,7 @@ class Function {
   /// out[i] is the value at points[i]: finite, and the same bits whatever other points are asked along with
   /// it.
   virtual void values(std::span<const Vec3d> points, std::span<float> out) const = 0;
-  /// Per metre. Unless overridden, central differences over step() on either side, in double positions.
+  /// Per metre. Unless overridden, from the corners of a tetrahedron, step() away along each axis.
   virtual void gradients(std::span<const Vec3d> points, std::span<Vec3f> out) const;
   virtual double step() const { return 0.05; }
   /// Encloses every value over the box. The tighter, the more is pruned.

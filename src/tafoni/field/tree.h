@@ -102,8 +102,8 @@ NodePtr function(FunctionPtr f);
 FunctionPtr as_function(const NodePtr& tree, float lo = 0, float hi = 1);
 
 /// f - depth * control * (1 - resistance) (document 003, section 5.3, in metres). `control` in [0, 1], null
-/// for 1 everywhere; exactly 0 where nothing shall happen. A depth below the terrain's T leaves deep rock
-/// solid.
+/// for 1 everywhere; exactly 0 where nothing shall happen. `resistance` in [0, 1], null for one half. A depth
+/// below the terrain's T leaves deep rock solid.
 NodePtr erode(NodePtr below, FunctionPtr control, FunctionPtr resistance, double depth);
 
 /// Displacement of a warp: three independent normalised fBm in [-1, 1], each times its amplitude.

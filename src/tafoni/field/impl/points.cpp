@@ -39,31 +39,56 @@ PointWork& PointWork::nested(std::size_t index) {
 }
 
 void PointWork::values(const Program& program, std::span<const Vec3d> points, float* out) {
-  in_packs(program, points,
+  in_packs(program, points, false,
            [&](std::size_t first, std::size_t n) { std::copy_n(values(program), n, out + first); });
 }
 
 void PointWork::gradients(const Program& program, std::span<const Vec3d> points, PointValues* out) {
-  in_packs(program, points,
+  in_packs(program, points, true,
            [&](std::size_t first, std::size_t) { out[first / pack_size] = gradients(program); });
 }
 
 template <class Run>
-void PointWork::in_packs(const Program& program, std::span<const Vec3d> points, const Run& run) {
+void PointWork::in_packs(const Program& program, std::span<const Vec3d> points, bool with_gradients,
+                         const Run& run) {
   if (points.empty()) return;
   while (group_.size() < points.size()) group_.push_back(static_cast<std::uint32_t>(group_.size()));
   const auto group = std::span<const std::uint32_t>(group_).first(points.size());
   collect(program, points, group);
+  ask_nested(program, points, group, with_gradients);
   for (std::size_t i = 0; i < group.size(); i += pack_size) {
     const auto pack = group.subspan(i, std::min(pack_size, group.size() - i));
-    load(points, pack);
+    load(points, pack, i);
     if (group.size() > pack_size) narrow(program);
     run(i, pack.size());
   }
 }
 
-void PointWork::load(std::span<const Vec3d> points, std::span<const std::uint32_t> pack) {
-  count_ = pack.size();
+void PointWork::ask_nested(const Program& program, std::span<const Vec3d> points,
+                           std::span<const std::uint32_t> group, bool with_gradients) {
+  const std::size_t n = program.nested.size();
+  if (n == 0) return;
+  group_points_.clear();
+  for (std::uint32_t i : group) group_points_.push_back(points[i]);
+  const std::size_t padded = (group.size() + pack_size - 1) / pack_size * pack_size;
+  nested_values_.resize(std::max(nested_values_.size(), n));
+  nested_gradients_.resize(nested_values_.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    if (with_gradients) {
+      nested_gradients_[i].resize(padded / pack_size);
+      program.nested[i]->gradients(group_points_, nested(i), nested_gradients_[i].data());
+    } else {
+      auto& values = nested_values_[i];
+      values.resize(padded);
+      program.nested[i]->values(group_points_, nested(i), values.data());
+      std::fill(values.begin() + static_cast<std::ptrdiff_t>(group.size()), values.end(),
+                values[group.size() - 1]);
+    }
+  }
+}
+
+void PointWork::load(std::span<const Vec3d> points, std::span<const std::uint32_t> pack, std::size_t first) {
+  first_ = first;
   for (std::size_t l = 0; l < 8; ++l) {
     const Vec3d& p = points[pack[l < pack.size() ? l : 0]];
     points_[l] = p;
@@ -108,11 +133,6 @@ void PointWork::narrow(const Program& program) {
   }
 }
 
-void PointWork::nested_values(const Program& program, std::size_t index, float* out) {
-  program.nested[index]->values({points_, count_}, nested(index), out);
-  std::fill(out + count_, out + pack_size, out[0]);
-}
-
 const float* PointWork::values(const Program& program) {
   if (value_slots_.size() < program.depth) value_slots_.resize(program.depth);
   const LeafKernels& kernels = leaf_kernels();
@@ -125,7 +145,7 @@ const float* PointWork::values(const Program& program) {
         else if (in.kind == Instruction::Kind::domain)
           kernels.domain_points(*program.domains[in.index], points_, lanes_, slot(i));
         else if (in.kind == Instruction::Kind::nested)
-          nested_values(program, in.index, slot(i));
+          std::copy_n(nested_values_[in.index].data() + first_, pack_size, slot(i));
         else
           std::fill_n(slot(i), 8, in.value);
       },
@@ -152,7 +172,7 @@ const PointValues& PointWork::gradients(const Program& program) {
         } else if (in.kind == Instruction::Kind::domain) {
           kernels.domain_gradients(*program.domains[in.index], points_, lanes_, slot(i));
         } else if (in.kind == Instruction::Kind::nested) {
-          program.nested[in.index]->gradients({points_, count_}, nested(in.index), &slot(i));
+          slot(i) = nested_gradients_[in.index][first_ / pack_size];
         } else {
           slot(i) = {};
           std::fill_n(slot(i).v, 8, in.value);

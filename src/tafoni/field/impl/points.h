@@ -61,8 +61,13 @@ class PointWork {
 
   // The steps of the above, for who has points in an order of their own.
 
-  /// Loads points[pack[0]] …; unused lanes repeat the first.
-  void load(std::span<const Vec3d> points, std::span<const std::uint32_t> pack);
+  static constexpr std::size_t pack_size = 8;
+  /// Asks the nested leaves at all points of a group, before its packs are loaded.
+  void ask_nested(const Program& program, std::span<const Vec3d> points, std::span<const std::uint32_t> group,
+                  bool with_gradients);
+  /// Loads the group's pack that begins at `first`, a multiple of eight: points[pack[0]] …; unused lanes
+  /// repeat the first.
+  void load(std::span<const Vec3d> points, std::span<const std::uint32_t> pack, std::size_t first);
   /// Finds the primitives that may touch any point of a group, once for all its packs.
   void collect(const Program& program, std::span<const Vec3d> points, std::span<const std::uint32_t> group);
   /// Narrows what collect() found to the loaded points, where that pays.
@@ -80,14 +85,12 @@ class PointWork {
   const PointValues& gradients(const Program& program);
 
  private:
-  static constexpr std::size_t pack_size = 8;
   /// Calls run(first, count) for each pack of the points, loaded and with its primitives found.
   template <class Run>
-  void in_packs(const Program& program, std::span<const Vec3d> points, const Run& run);
-  void nested_values(const Program& program, std::size_t index, float* out);
+  void in_packs(const Program& program, std::span<const Vec3d> points, bool with_gradients, const Run& run);
 
   Vec3d points_[8];
-  std::size_t count_ = 0;
+  std::size_t first_ = 0;  ///< of the pack in its group
   PointLanes lanes_;
   std::vector<Primitives> decoded_;
   std::vector<std::uint32_t> iota_;
@@ -102,6 +105,10 @@ class PointWork {
   Primitives in_box_;
   std::vector<std::uint32_t> group_;
   std::vector<std::unique_ptr<PointWork>> nested_;
+  // What the nested leaves said of the group.
+  std::vector<Vec3d> group_points_;
+  std::vector<std::vector<float>> nested_values_;
+  std::vector<std::vector<PointValues>> nested_gradients_;
 };
 
 }  // namespace tafoni::field::impl

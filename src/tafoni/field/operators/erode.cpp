@@ -40,7 +40,8 @@ class Erosion final : public Function, public impl::HidesTrees {
       const std::span<const Vec3d> at(live.points, live.count);
       std::fill_n(dc, live.count, Vec3f{});
       if (control_) control_->gradients(at, {dc, live.count});
-      resistance_->gradients(at, {dr, live.count});
+      std::fill_n(dr, live.count, Vec3f{});
+      if (resistance_) resistance_->gradients(at, {dr, live.count});
       for (std::size_t l = 0; l < live.count; ++l)
         out[i + live.index[l]] =
             dr[l] * (depth_ * live.control[l]) - dc[l] * (depth_ * (1 - live.resistance[l]));
@@ -50,7 +51,7 @@ class Erosion final : public Function, public impl::HidesTrees {
   Interval range(const Box3d& box) const override {
     const Interval c = control_ ? control_->range(box) : Interval{1, 1};
     if (c.lo == 0 && c.hi == 0) return {0, 0};
-    const Interval r = resistance_->range(box);
+    const Interval r = resistance_ ? resistance_->range(box) : Interval{even, even};
     const float ends[] = {amount(c.lo, r.lo), amount(c.lo, r.hi), amount(c.hi, r.lo), amount(c.hi, r.hi)};
     return {*std::min_element(ends, ends + 4), *std::max_element(ends, ends + 4)};
   }
@@ -61,6 +62,7 @@ class Erosion final : public Function, public impl::HidesTrees {
 
  private:
   static constexpr std::size_t batch = 128;
+  static constexpr float even = 0.5f;  ///< the resistance where no geology is given
   /// The points where the control is not 0.
   struct Live {
     Vec3d points[batch];
@@ -81,7 +83,10 @@ class Erosion final : public Function, public impl::HidesTrees {
       live.control[live.count] = live.control[i];
       live.index[live.count++] = i;
     }
-    resistance_->values({live.points, live.count}, {live.resistance, live.count});
+    if (resistance_)
+      resistance_->values({live.points, live.count}, {live.resistance, live.count});
+    else
+      std::fill_n(live.resistance, live.count, even);
   }
 
   FunctionPtr control_, resistance_;
@@ -91,7 +96,6 @@ class Erosion final : public Function, public impl::HidesTrees {
 }  // namespace
 
 NodePtr erode(NodePtr below, FunctionPtr control, FunctionPtr resistance, double depth) {
-  if (!resistance) fail(ErrorKind::internal, "erosion wants a resistance");
   if (!(depth >= 0) || !std::isfinite(depth))
     fail(ErrorKind::usage, "the depth of erosion must be a length in metres, not {}", depth);
   if (depth == 0) return below;

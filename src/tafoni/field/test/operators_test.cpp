@@ -150,7 +150,7 @@ class Trees : public testing::TestWithParam<Case> {};
 
 TEST_P(Trees, PruneExactly) {
   const CompiledField field = compile(GetParam().tree);
-  EXPECT_GT(Lattice(field, 0.83).check(-1, 0, 0, 0), 10000u);
+  EXPECT_GT(Lattice(field, 0.83).check(-1, -1, 0, 0), 10000u);
 }
 
 TEST_P(Trees, RangesEncloseValues) {
@@ -234,7 +234,11 @@ std::vector<Vec3d> some_points(int count, double extent, std::uint64_t seed) {
 
 TEST(Erode, TakesDepthTimesControlTimesSoftnessOff) {
   const CompiledField bare = compile(land()), eroded = compile(erode(land(), level(0.5f), level(0.25f), 4));
-  for (const Vec3d& p : some_points(500, 90, 1)) EXPECT_NEAR(eroded.value(p), bare.value(p) - 1.5, 1e-5);
+  const CompiledField half = compile(erode(land(), nullptr, nullptr, 3));
+  for (const Vec3d& p : some_points(500, 90, 1)) {
+    EXPECT_NEAR(eroded.value(p), bare.value(p) - 1.5, 1e-5);
+    EXPECT_EQ(half.value(p), eroded.value(p));
+  }
 }
 
 TEST(Erode, LeavesHardRockAndWhatIsOutOfReachBitForBit) {
