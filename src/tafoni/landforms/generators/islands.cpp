@@ -26,7 +26,7 @@ struct Params {
   double height = 0;
   double depth = 0.7;
   double relief = 0.12;
-  double spacing = 1.3;
+  double spacing = 1.5;
   double roots = 0.7;
   double strata = 0;
 };
