@@ -88,9 +88,12 @@ class Slot {
       // Wide chambers where water swirled, necks between; wider where beds are soft and towards the floor.
       const double swirl = noise({along / (3.5 * s_.width), z / (2.5 * s_.width), 4}, 2);
       const double half =
-          0.5 * s_.width *
-          std::clamp((0.55 + 0.65 * soft) * (1 + 0.35 * swirl) * (1.15 - 0.3 * up), 0.35, 1.5);
-      points.push_back({p, reach_, -sheet_energy(std::min(half, 0.8 * reach_), at.z - z)});
+          0.5 * s_.width * std::clamp((0.7 + 0.5 * soft) * (1 + 0.3 * swirl) * (1.15 - 0.3 * up), 0.55, 1.5);
+      // Where the slot leans or turns, its points lie farther apart.
+      const double lean = (offset(along, z + step_, up) - offset(along, z, up)) / step_;
+      const double turn = (offset(along + step_, z, up) - offset(along, z, up)) / step_;
+      const double stretched = 1.1 * std::sqrt(1 + lean * lean + turn * turn);
+      points.push_back({p, reach_, -stretched * sheet_energy(std::min(half, 0.8 * reach_), at.z - z)});
     }
     return points;
   }

@@ -172,7 +172,7 @@ TEST(Canyon, ASlotIsDeepNarrowAndLeansOver) {
     below += span(1.6 * depth)[2] > 0;
     leaning += std::abs(high[0] + high[1] - low[0] - low[1]) > 2 * 0.5;
   }
-  EXPECT_GT(open, 0.8 * sections);
+  EXPECT_GT(open, 0.85 * sections);
   EXPECT_LT(wide, 0.1 * sections);
   EXPECT_EQ(below, 0);
   EXPECT_GT(leaning, 0.25 * sections) << "the axis moves by half a metre and more from level to level";
