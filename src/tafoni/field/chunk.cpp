@@ -14,6 +14,14 @@ namespace {
 
 constexpr int bricks = chunk_bricks;
 
+/// Bit bx: brick bx of this row, or of one before it along y or z, is active.
+unsigned near_row(const std::uint64_t (&active)[bricks], int by, int bz) {
+  const std::uint64_t layer = (bz < bricks ? active[bz] : 0) | (bz > 0 ? active[bz - 1] : 0);
+  const std::uint64_t row = by < bricks ? layer >> by * bricks : 0;
+  const std::uint64_t before = by > 0 ? layer >> (by - 1) * bricks : 0;
+  return static_cast<unsigned>((row | before) & 0xff);
+}
+
 }  // namespace
 
 struct ChunkEvaluator::State {
@@ -123,8 +131,10 @@ bool ChunkEvaluator::evaluate(int c, const BrickBox& box, ChunkSamples& out) {
 
   constexpr std::ptrdiff_t row = ChunkSamples::nx, plane = row * ChunkSamples::ny;
   for (int bz = box.lo.z; bz <= box.hi.z + 1; ++bz)
-    for (int by = box.lo.y; by <= box.hi.y + 1; ++by)
-      for (int bx = box.lo.x; bx <= box.hi.x + 1; ++bx) {
+    for (int by = box.lo.y; by <= box.hi.y + 1; ++by) {
+      const unsigned near = near_row(out.active, by, bz);
+      for (int bx = box.lo.x; near != 0 && bx <= box.hi.x + 1; ++bx) {
+        if (!((near | near << 1) >> bx & 1u)) continue;
         const Vec3i n = out.read(bx, by, bz, box);
         if (n.x == 0) continue;
         const int i = bx * brick_cells, j = by * brick_cells, k = bz * brick_cells;
@@ -134,6 +144,7 @@ bool ChunkEvaluator::evaluate(int c, const BrickBox& box, ChunkSamples& out) {
                          out.f.data() + k * plane + j * row + i, row, plane});
         out.evaluated += static_cast<std::uint64_t>(n.x * n.y * n.z);
       }
+    }
   return true;
 }
 
