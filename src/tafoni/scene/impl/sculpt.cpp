@@ -107,6 +107,39 @@ field::NodePtr after_run(field::NodePtr sum, const SculptRun& run, double amplit
                   : field::combine("union", {added, field::constant(-limit)});
 }
 
+std::vector<int> levels_of(std::span<const Slot> slots,
+                           const std::vector<std::shared_ptr<const CookedStroke>>& cooked) {
+  std::vector<int> levels;
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const bool adds = slots[i].stroke->adds();
+    int level = adds ? 1 : 0;
+    for (std::size_t j = 0; j < i; ++j)
+      if (cooked[i]->box.overlaps(cooked[j]->box))
+        level = std::max(level, slots[j].stroke->adds() == adds ? levels[j] : levels[j] + 1);
+    levels.push_back(level);
+  }
+  return levels;
+}
+
+void cook_runs(SculptGroup& group, std::uint64_t seed) {
+  std::vector<std::map<CloudClass, field::CloudBuilder>> builders;
+  for (std::size_t place = 0; place < group.cooked.size(); ++place) {
+    const auto level = static_cast<std::size_t>(group.levels[place]);
+    if (builders.size() <= level) builders.resize(level + 1);
+    if (!group.cooked[place]) continue;
+    for (const auto& [kind, items] : group.cooked[place]->items) {
+      auto at = builders[level].find(kind);
+      if (at == builders[level].end()) at = builders[level].emplace(kind, kind.settings(seed)).first;
+      for (const Item& item : items) at->second.add(item.anchor, item.energy, item.shape);
+    }
+  }
+  for (std::size_t level = 0; level < builders.size(); ++level) {
+    SculptRun run{level % 2 == 1, {}};
+    for (auto& [kind, builder] : builders[level]) run.clouds.push_back(builder.finish());
+    group.runs.push_back(std::move(run));
+  }
+}
+
 }  // namespace
 
 std::shared_ptr<const CookedStroke> SculptCook::cook_stroke(const std::shared_ptr<const Stroke>& stroke,
@@ -141,26 +174,14 @@ std::shared_ptr<const SculptGroup> SculptCook::cook_group(std::span<const Slot> 
     auto group = std::make_shared<SculptGroup>();
     group->slots.assign(slots.begin(), slots.end());
     group->digest = frame_digest;
+    std::vector<std::shared_ptr<const CookedStroke>> all;
     for (const Slot& slot : slots) {
-      group->cooked.push_back(slot.muted ? nullptr : cook_stroke(slot.stroke, frame, frame_digest));
-      group->digest.add(std::uint64_t{slot.stroke->adds()});
-      if (group->cooked.back()) group->digest.add(group->cooked.back()->digest);
+      all.push_back(cook_stroke(slot.stroke, frame, frame_digest));
+      group->cooked.push_back(slot.muted ? nullptr : all.back());
+      group->digest.add(std::uint64_t{slot.muted}).add(all.back()->digest);
     }
-    for (std::size_t first = 0; first < slots.size();) {
-      SculptRun run{first, first, slots[first].stroke->adds(), {}};
-      std::map<CloudClass, field::CloudBuilder> builders;
-      for (; run.end < slots.size() && slots[run.end].stroke->adds() == run.adds; ++run.end) {
-        if (!group->cooked[run.end]) continue;
-        for (const auto& [kind, items] : group->cooked[run.end]->items) {
-          auto at = builders.find(kind);
-          if (at == builders.end()) at = builders.emplace(kind, kind.settings(frame.seed)).first;
-          for (const Item& item : items) at->second.add(item.anchor, item.energy, item.shape);
-        }
-      }
-      for (auto& [kind, builder] : builders) run.clouds.push_back(builder.finish());
-      first = run.end;
-      group->runs.push_back(std::move(run));
-    }
+    group->levels = levels_of(slots, all);
+    cook_runs(*group, frame.seed);
     return std::shared_ptr<const SculptGroup>(std::move(group));
   });
 }
@@ -182,32 +203,22 @@ std::shared_ptr<const Sculpted> SculptCook::cook(std::span<const Slot> slots, co
 namespace {
 
 void changed_boxes(const SculptGroup* before, const SculptGroup* now, std::vector<Box3d>& out) {
-  const auto box = [&](const SculptGroup* group, std::size_t place) {
-    if (group && place < group->cooked.size() && group->cooked[place] && !group->cooked[place]->box.empty())
-      out.push_back(group->cooked[place]->box);
+  struct Place {
+    const CookedStroke* stroke = nullptr;
+    int level = 0;
+    bool operator==(const Place&) const = default;
   };
-  // Two runs that begin alike differ where their strokes do. One without a match differs all over: it took
-  // part in another order of summation.
-  const auto match = [](const SculptGroup* group, const SculptRun& run) -> const SculptRun* {
-    if (!group) return nullptr;
-    for (const SculptRun& other : group->runs)
-      if (other.first == run.first && other.adds == run.adds) return &other;
-    return nullptr;
+  const auto at = [](const SculptGroup* group, std::size_t place) -> Place {
+    if (!group || place >= group->cooked.size() || !group->cooked[place]) return {};
+    return {group->cooked[place].get(), group->levels[place]};
   };
-  const auto stroke = [](const SculptGroup* group, const SculptRun& run,
-                         std::size_t place) -> const CookedStroke* {
-    return place < run.end ? group->cooked[place].get() : nullptr;
-  };
-  const auto compare = [&](const SculptGroup* a, const SculptGroup* b) {
-    if (!a) return;
-    for (const SculptRun& run : a->runs) {
-      const SculptRun* other = match(b, run);
-      for (std::size_t place = run.first; place < run.end; ++place)
-        if (!other || stroke(a, run, place) != stroke(b, *other, place)) box(a, place);
-    }
-  };
-  compare(before, now);
-  compare(now, before);
+  const std::size_t places = std::max(before ? before->cooked.size() : 0, now ? now->cooked.size() : 0);
+  for (std::size_t place = 0; place < places; ++place) {
+    const Place a = at(before, place), b = at(now, place);
+    if (a == b) continue;
+    for (const CookedStroke* stroke : {a.stroke, b.stroke})
+      if (stroke && !stroke->box.empty()) out.push_back(stroke->box);
+  }
 }
 
 }  // namespace

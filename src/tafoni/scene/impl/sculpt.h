@@ -2,15 +2,17 @@
 // From the strokes of a sculpt layer to its node.
 //
 // Strokes act in their order: a stroke that adds fills what earlier ones carved. The layer is one sum S, kept
-// within
-// [-L, L] after every run of strokes that carve alike or add alike, so that repeating a stroke piles up
-// nothing:
+// within [-L, L] after every run of strokes that carve alike or add alike, so that repeating a stroke piles
+// up nothing:
 //
 //   S = clamp(... clamp(clamp(run 1) + run 2) ... + run n), added to the tree below.
 //
-// Runs end where the mode changes and at every group of `group_size` places in the list. A place keeps its
-// group whatever happens to strokes before it but for insertion, so that appending, muting, undoing and
-// redoing cook one group again and change no value, not a bit of it, outside of the stroke's own support.
+// The list of strokes is cut into groups of `group_size` places. In a group the order counts only where
+// strokes overlap: a stroke's level is above that of every earlier one of the other mode that it overlaps,
+// and a run is the strokes of one level. So there are few runs however modes alternate. Places, levels and
+// the order of summation depend on nothing but the list, a muted stroke keeps its place, and what is appended
+// changes no other's level: appending, muting, undoing and redoing cook one group again and change no value,
+// not a bit of it, outside of the stroke's own support.
 
 #include <cstdint>
 #include <memory>
@@ -45,9 +47,8 @@ struct SculptFrame {
 
 struct CookedStroke;
 
-/// One run of strokes of one group.
+/// The strokes of one level of one group.
 struct SculptRun {
-  std::size_t first = 0, end = 0;  ///< places within the group
   bool adds = false;
   std::vector<field::NodePtr> clouds;
 };
@@ -55,7 +56,8 @@ struct SculptRun {
 struct SculptGroup {
   std::vector<Slot> slots;
   std::vector<std::shared_ptr<const CookedStroke>> cooked;  ///< by place; null where muted
-  std::vector<SculptRun> runs;
+  std::vector<int> levels;                                  ///< by place; even where it carves
+  std::vector<SculptRun> runs;                              ///< by level
   Digest digest;
 };
 
