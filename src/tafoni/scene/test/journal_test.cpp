@@ -278,18 +278,34 @@ TEST_F(JournalFile, AFullDiskLosesNothingThatWasThere) {
 }
 
 TEST_F(JournalFile, AReadOnlyFolderCanBeReadAndNotWritten) {
-  if (::geteuid() == 0) GTEST_SKIP() << "root may write anywhere";
   Journal::open_or_create(file).append(numbered(1));
-  fs::permissions(file, fs::perms::owner_read);
-  fs::permissions(root, fs::perms::owner_read | fs::perms::owner_exec);
-  {
-    Journal j = Journal::open(file);
-    EXPECT_EQ(numbers(j), (std::vector{1}));
-    EXPECT_THAT(failure([&] { j.append(numbered(2)); }), HasSubstr("cannot be written"));
-    EXPECT_EQ(numbers(j), (std::vector{1}));
-    EXPECT_THAT(failure([&] { Journal::open_or_create(root / "b.journal"); }), HasSubstr("cannot be opened"));
+  fs::permissions(file, fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+  fs::permissions(
+      root, fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read | fs::perms::others_exec);
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    // Root may write anywhere; nobody may not.
+    if (::geteuid() == 0 && (::setgid(65534) != 0 || ::setuid(65534) != 0)) ::_exit(99);
+    const auto says = [](const std::string& what, const char* words) {
+      return what.find(words) != std::string::npos;
+    };
+    int wrong = 0;
+    const std::string read = failure([&] {
+      Journal j = Journal::open(file);
+      if (numbers(j) != std::vector{1}) wrong |= 1;
+      if (!says(failure([&] { j.append(numbered(2)); }), "cannot be")) wrong |= 2;
+      if (numbers(j) != std::vector{1}) wrong |= 4;
+    });
+    if (read != "no error") wrong |= 8;
+    if (!says(failure([&] { Journal::open_or_create(root / "b.journal"); }), "cannot be opened")) wrong |= 16;
+    ::_exit(wrong);
   }
+  int status = -1;
+  ::waitpid(child, &status, 0);
   fs::permissions(root, fs::perms::owner_all);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
 }  // namespace
