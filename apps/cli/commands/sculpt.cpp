@@ -19,8 +19,8 @@ using Json = nlohmann::ordered_json;
 struct Sculpt {
   std::string scene_file, layer, strokes_file, write;
   std::vector<std::string> strokes;
-  std::optional<std::int64_t> undo, redo, mute, unmute;
-  bool list = false;
+  std::optional<std::int64_t> undo, redo, go_to, mute, unmute;
+  bool list = false, all = false;
   SceneOptions scene;
   OutputOptions outputs;
 };
@@ -70,6 +70,7 @@ void edit(const Sculpt& s, scene::Session& session, std::size_t layer,
   };
   if (s.undo) say("undone", session.undo(layer, static_cast<std::size_t>(*s.undo)));
   if (s.redo) say("redone", session.redo(layer, static_cast<std::size_t>(*s.redo)));
+  if (s.go_to) session.go_to(layer, *s.go_to);
   if (s.mute) session.mute_stroke(layer, *s.mute, true);
   if (s.unmute) session.mute_stroke(layer, *s.unmute, false);
   if (strokes.empty()) return;
@@ -82,16 +83,16 @@ int run(const Sculpt& s, Console& console) {
     fail(ErrorKind::usage,
          "{}: strokes are kept with a scene file; make one with tafoni amplify --save-scene", s.scene_file);
   const bool changes =
-      !s.strokes.empty() || !s.strokes_file.empty() || s.undo || s.redo || s.mute || s.unmute;
+      !s.strokes.empty() || !s.strokes_file.empty() || s.undo || s.redo || s.go_to || s.mute || s.unmute;
   const bool builds = !s.outputs.mesh.empty() || !s.outputs.preview.empty() || !s.outputs.report.empty();
-  if (!changes && !builds && !s.list && s.write.empty())
+  if (!changes && !builds && !s.list && !s.all && s.write.empty())
     fail(ErrorKind::usage,
          "nothing to do: give --stroke, --strokes, --undo, --redo, --mute, --unmute, --list or --write");
   const auto strokes = strokes_of(s);
   scene::Session session = scene::Session::open(s.scene_file);
   const std::size_t layer = session.sculpt_layer(s.layer);
   edit(s, session, layer, strokes, console);
-  if (s.list) print_list(session.strokes(layer), console);
+  if (s.list || s.all) print_list(s.all ? session.history(layer) : session.strokes(layer), console);
   if (!s.write.empty()) {
     check_output(s.write, inputs_of(session.document()));
     write_file(s.write, as_file(session.strokes(layer)));
@@ -114,10 +115,13 @@ std::function<int(Console&)> setup(Args& args) {
             "File of strokes, one a line or JSON; - reads standard input");
   args.integer("--undo", "N", s->undo, 1, 1000000000, "Take back the last N strokes");
   args.integer("--redo", "N", s->redo, 1, 1000000000, "Bring back N strokes");
+  args.integer("--go-to", "ID", s->go_to, 0, std::int64_t{1} << 53,
+               "Go back or across to the moment when stroke ID was the last; 0 is the beginning");
   args.integer("--mute", "ID", s->mute, 1, std::int64_t{1} << 53,
                "Leave a stroke out, without forgetting it");
   args.integer("--unmute", "ID", s->unmute, 1, std::int64_t{1} << 53, "Let a stroke act again");
   args.flag("--list", s->list, "Print the layer's strokes with their ids");
+  args.flag("--all", s->all, "Print every stroke ever made, undone ones included");
   args.text("--write", "FILE", s->write,
             "Write the layer's strokes as a text file, for a layer's strokes key");
   s->scene.declare(args);

@@ -235,6 +235,17 @@ std::size_t Session::redoable(std::size_t layer) {
   return journal ? journal->redoable() : 0;
 }
 
+void Session::go_to(std::size_t layer, std::int64_t id) {
+  Journal* journal = state_->journal(state_->sculpt(layer));
+  if (!journal) fail(ErrorKind::usage, "the layer has no stroke {}", id);
+  journal->go_to(id);
+}
+
+std::vector<Journal::Entry> Session::history(std::size_t layer) {
+  const Journal* journal = state_->journal(state_->sculpt(layer));
+  return journal ? journal->history() : std::vector<Journal::Entry>();
+}
+
 void Session::mute_stroke(std::size_t layer, std::int64_t id, bool muted) {
   Journal* journal = state_->journal(state_->sculpt(layer));
   if (!journal) fail(ErrorKind::usage, "the layer has no stroke {}", id);

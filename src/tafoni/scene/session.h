@@ -74,6 +74,9 @@ class Session {
   std::size_t undo(std::size_t layer, std::size_t steps = 1);
   std::size_t redo(std::size_t layer, std::size_t steps = 1);
   std::size_t redoable(std::size_t layer);
+  /// Journal::go_to() and Journal::history() of the layer.
+  void go_to(std::size_t layer, std::int64_t id);
+  std::vector<Journal::Entry> history(std::size_t layer);
   void mute_stroke(std::size_t layer, std::int64_t id, bool muted);
 
   /// Builds what changed, in the document, its files or its journals, since the last update.
