@@ -103,28 +103,33 @@ class ColumnSampler {
     float f[8];
     for (int corner = 0; corner < 8; ++corner)
       f[corner] = samples_.at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2));
-    const Vec3d jitter{random.uniform(), random.uniform(), random.uniform()};
-    result_.push_back({lo + nearer(f, jitter) * voxel_, random.next()});
+    Vec3d u{random.uniform(), random.uniform(), random.uniform()};
+    const Vec3d slope = approach(f, u);
+    const SurfacePoint shown{lo + u * voxel_, to_float(normalized(slope) * -1.0)};
+    if (settings_.accept && !settings_.accept(shown)) return;
+    result_.push_back({shown.position, random.next()});
   }
 
   /// Two Newton steps towards the zero of the cell's trilinear interpolant; `u` in cells from its low corner.
-  static Vec3d nearer(const float (&f)[8], Vec3d u) {
+  /// Returns the interpolant's gradient, per cell, near where they end.
+  static Vec3d approach(const float (&f)[8], Vec3d& u) {
+    Vec3d g{0, 0, 0};
     for (int step = 0; step < 2; ++step) {
       double value = 0;
-      Vec3d g{0, 0, 0};
+      g = {0, 0, 0};
       for (int c = 0; c < 8; ++c) {
-        const double v = static_cast<double>(f[c]), sx = c & 1 ? 1 : -1, sy = c & 2 ? 1 : -1,
-                     sz = c & 4 ? 1 : -1;
+        const double v = static_cast<double>(f[c]);
+        const double sx = c & 1 ? 1 : -1, sy = c & 2 ? 1 : -1, sz = c & 4 ? 1 : -1;
         const double wx = c & 1 ? u.x : 1 - u.x, wy = c & 2 ? u.y : 1 - u.y, wz = c & 4 ? u.z : 1 - u.z;
         value += v * wx * wy * wz;
         g += Vec3d{sx * wy * wz, wx * sy * wz, wx * wy * sz} * v;
       }
       const double slope2 = dot(g, g);
-      if (slope2 < 1e-12) break;
+      if (slope2 < 1e-12) return {0, 0, -1};
       u += g * (-value / slope2);
       u = {std::clamp(u.x, 0.0, 1.0), std::clamp(u.y, 0.0, 1.0), std::clamp(u.z, 0.0, 1.0)};
     }
-    return u;
+    return g;
   }
 
   const SurfaceSampling& settings_;

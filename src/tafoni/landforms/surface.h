@@ -24,7 +24,8 @@ struct SurfaceSampling {
   /// one; null: none. Given a piece's centre and how far from it a sample may lie; false only where no sample
   /// would be accepted. Called from many threads.
   std::function<bool(Vec3d center, double around)> maybe;
-  /// Whether a place may hold a sample; null: all may. Called from many threads.
+  /// Whether a place may hold a sample; null: all may. Asked of every candidate as a lattice of half the
+  /// spacing shows the surface, and of samples again. Called from many threads.
   std::function<bool(const SurfacePoint&)> accept;
 };
 
