@@ -97,9 +97,9 @@ class ColumnSampler {
     const Box3d box{lo, lo + Vec3d{voxel_, voxel_, voxel_}};
     if (!settings_.box.overlaps(box.grown(voxel_)) || refused(box)) return;
     const auto at = cell(i, j, k);
-    Random random(hash_combine(hash_combine(hash_combine(settings_.seed, static_cast<std::uint64_t>(at.x)),
-                                            static_cast<std::uint64_t>(at.y)),
-                               static_cast<std::uint64_t>(at.z)));
+    Random random(settings_.seed, static_cast<std::uint64_t>(at.x) * 0x9e3779b97f4a7c15ull ^
+                                      static_cast<std::uint64_t>(at.y) * 0xc2b2ae3d27d4eb4full ^
+                                      static_cast<std::uint64_t>(at.z) * 0x165667b19e3779f9ull);
     float f[8];
     for (int corner = 0; corner < 8; ++corner)
       f[corner] = samples_.at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2));
@@ -110,22 +110,21 @@ class ColumnSampler {
     result_.push_back({shown.position, random.next()});
   }
 
-  /// Two Newton steps towards the zero of the cell's trilinear interpolant; `u` in cells from its low corner.
-  /// Returns the interpolant's gradient, per cell, near where they end.
+  /// Two Newton steps towards the zero of the cell's trilinear interpolant with its mean gradient, per cell,
+  /// which is returned. `u` in cells from the cell's low corner.
   static Vec3d approach(const float (&f)[8], Vec3d& u) {
-    Vec3d g{0, 0, 0};
+    const auto d = [&](int a, int b) { return static_cast<double>(f[a] - f[b]); };
+    const Vec3d g = Vec3d{d(1, 0) + d(3, 2) + d(5, 4) + d(7, 6), d(2, 0) + d(3, 1) + d(6, 4) + d(7, 5),
+                          d(4, 0) + d(5, 1) + d(6, 2) + d(7, 3)} *
+                    0.25;
+    const double slope2 = dot(g, g);
+    if (slope2 < 1e-12) return {0, 0, -1};
+    const auto mix = [](double a, double b, double t) { return a + (b - a) * t; };
+    const auto along_x = [&](int a) {
+      return mix(static_cast<double>(f[a]), static_cast<double>(f[a + 1]), u.x);
+    };
     for (int step = 0; step < 2; ++step) {
-      double value = 0;
-      g = {0, 0, 0};
-      for (int c = 0; c < 8; ++c) {
-        const double v = static_cast<double>(f[c]);
-        const double sx = c & 1 ? 1 : -1, sy = c & 2 ? 1 : -1, sz = c & 4 ? 1 : -1;
-        const double wx = c & 1 ? u.x : 1 - u.x, wy = c & 2 ? u.y : 1 - u.y, wz = c & 4 ? u.z : 1 - u.z;
-        value += v * wx * wy * wz;
-        g += Vec3d{sx * wy * wz, wx * sy * wz, wx * wy * sz} * v;
-      }
-      const double slope2 = dot(g, g);
-      if (slope2 < 1e-12) return {0, 0, -1};
+      const double value = mix(mix(along_x(0), along_x(2), u.y), mix(along_x(4), along_x(6), u.y), u.z);
       u += g * (-value / slope2);
       u = {std::clamp(u.x, 0.0, 1.0), std::clamp(u.y, 0.0, 1.0), std::clamp(u.z, 0.0, 1.0)};
     }
