@@ -123,6 +123,7 @@ struct Meshed {
   double seconds = 0, cpu = 0;
   mesh::PolygonizeStats stats;
   std::uint64_t hash = 0;
+  double bottom = 1e9, top = -1e9;  ///< metres
 };
 
 Meshed optimized(const scene::BuiltScene& scene) {
@@ -134,6 +135,10 @@ Meshed optimized(const scene::BuiltScene& scene) {
   out.seconds = now() - start;
   out.cpu = cpu() - start_cpu;
   out.hash = hash_of(mesh);
+  for (const Vec3f& p : mesh.positions) {
+    out.bottom = std::min(out.bottom, static_cast<double>(p.z));
+    out.top = std::max(out.top, static_cast<double>(p.z));
+  }
   return out;
 }
 
@@ -162,12 +167,11 @@ std::int64_t strokes(const scene::BuiltScene& scene) {
   return total;
 }
 
-/// Lattice cells from the lowest to the highest place of the surface.
-std::string lattice(const scene::BuiltScene& scene) {
+/// Lattice cells of the terrain's rectangle, and from the lowest to the highest vertex.
+std::string lattice(const scene::BuiltScene& scene, const Meshed& meshed) {
   const Vec3d size = scene.terrain.box.size();
-  const Box3d bounds = scene.field_for(mesh::Boundary::open).bounds();
   return fmt::format("{:.0f} x {:.0f} x {:.0f}", size.x / scene.voxel, size.y / scene.voxel,
-                     bounds.size().z / scene.voxel);
+                     std::ceil((meshed.top - meshed.bottom) / scene.voxel));
 }
 
 void print_paper(const PaperRow& p) {
@@ -200,7 +204,7 @@ void run(const PaperRow& row, const std::string& file, bool with_plain) {
       "{},ours,{:.2f} x {:.2f},{:.2f},{},{:.3f},{:.3f},{},{:.2f},,{},{:.3f},{:.3f},{},{:.1f},{},{},{:016x}\n",
       row.name, size.x / 1000, size.y / 1000, field::coverage(scene.open, scene.terrain.box, scene.voxel),
       tree.nodes, generation, generation_cpu, strokes(scene), 1e-6 * static_cast<double>(tree.bytes),
-      lattice(scene), fast.seconds, fast.cpu, with_plain ? fmt::format("{:.1f}", slow.seconds) : "",
+      lattice(scene, fast), fast.seconds, fast.cpu, with_plain ? fmt::format("{:.1f}", slow.seconds) : "",
       calls(fast.stats), with_plain ? fmt::format("{:.0f}", calls(slow.stats)) : "", fast.stats.triangles,
       fast.hash);
 }

@@ -62,6 +62,45 @@ TEST(SeaCliff, SoftRockAndMoreStepsLoseMore) {
   }
 }
 
+/// What one step takes off the field in `box`, summed: proportional to the primitives' energies there.
+double energy_in(const Coast& coast, const Box3d& box, Values values) {
+  for (const auto& [name, value] : Values{{"steps", std::int64_t{1}},
+                                          {"joints", 0.0},
+                                          {"roughness", 0.0},
+                                          {"accessibility", 0.0},
+                                          {"threshold", 0.0}})
+    values.emplace(name, value);
+  const Result result = sea(coast.site, values);
+  const auto points = test::places(box, 60000, 9);
+  const auto before = test::values(field::compile(coast.site.terrain), points);
+  const auto after = test::values(test::carved(coast.site, result), points);
+  double sum = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) sum += static_cast<double>(before[i] - after[i]);
+  return sum;
+}
+
+// e(rho, sigma) = sigma ((1 - rho)(1 - beta) + beta), document 003, section 6.1.
+TEST(SeaCliff, EnergyFollowsResistance) {
+  const auto energy = [](double rho) {
+    return energy_in(Coast([rho](Vec3d) { return rho; }), face, {{"beta", 0.3}});
+  };
+  const double soft = energy(0);
+  EXPECT_NEAR(energy(0.5) / soft, 0.65, 0.07);
+  EXPECT_NEAR(energy(1) / soft, 0.3, 0.07);
+}
+
+TEST(SeaCliff, EnergyFollowsStress) {
+  // The face is steep from -3 to 30 m; w = 1 - u^2 is 1 at the sea level, 0.36 at 0.8 of the range.
+  const auto energy = [](double z) {
+    return energy_in(Coast(), {{-40, -8, z - 1.5}, {40, 15, z + 1.5}},
+                     {{"sea_level", 10.0}, {"range", 16.0}, {"radius", 2.0}, {"spacing", 1.0}});
+  };
+  const double most = energy(10);
+  EXPECT_GT(most, 0);
+  EXPECT_NEAR(energy(10 + 0.5 * 16) / most, 0.75, 0.15);
+  EXPECT_NEAR(energy(10 + 0.8 * 16) / most, 0.36, 0.12);
+}
+
 TEST(SeaCliff, FollowsTheBeds) {
   const Coast coast([](Vec3d p) { return p.z > 2 ? 0.95 : 0.05; });
   const Result result = sea(coast.site, {{"joints", 0.0}});
