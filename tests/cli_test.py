@@ -5,6 +5,7 @@ import json
 import math
 import os
 import random
+import re
 import signal
 import subprocess
 import sys
@@ -379,9 +380,29 @@ class Reference(Case):
         self.assertEqual(json.loads(self.passes("info", "s.toml", "--json"))["source"]["width"], 40)
 
     def test_every_example_scene_builds(self):
-        for example in (Path(os.environ["TAFONI_SOURCE_DIR"]) / "examples").glob("*.toml"):
-            self.passes("build", example, "--voxel", "4", "-o", "a.glb")
+        for example in sorted((Path(os.environ["TAFONI_SOURCE_DIR"]) / "examples").glob("*.toml")):
+            own = float(re.search(r"^voxel = ([0-9.]+)", example.read_text(), re.M).group(1))
+            self.passes("build", example, "--voxel", max(4, 4 * own), "--boundary", "solid", "-o", "a.glb")
             self.passes("validate", "a.glb", "--closed")
+
+    def test_every_example_says_how_its_picture_is_made(self):
+        for example in (Path(os.environ["TAFONI_SOURCE_DIR"]) / "examples").glob("*.toml"):
+            heading = re.match(r"(#.*\n)+", example.read_text()).group(0)
+            self.assertRegex(heading, rf"#   tafoni render examples/{example.name} .*-o docs/images/\w[\w-]*\.jpg\n")
+
+    def test_a_scene_on_another_elevation_model(self):
+        self.hill()
+        (self.dir / "s.toml").write_text("[scene]\nvoxel = 1\n[terrain]\ngenerator = 'coast'\nwidth = 50\nheight = 50\n"
+                                         "influence = 9\n[[layer]]\ntype = 'hoodoos'\n")
+        self.passes("build", "s.toml", "--dem", "hill.asc", "-o", "a.glb", "--save-scene", "t.toml")
+        saved = (self.dir / "t.toml").read_text()
+        self.assertIn("hill.asc", saved)
+        self.assertIn("influence = 9", saved)
+        self.assertNotIn("coast", saved)
+        first = (self.dir / "a.glb").read_bytes()
+        self.passes("build", "t.toml", "-o", "a.glb")
+        self.assertEqual((self.dir / "a.glb").read_bytes(), first)
+        self.fails(3, "missing.tif", "build", "s.toml", "--dem", "missing.tif", "-o", "c.glb")
 
     def test_render_cuts_the_rock_open(self):
         self.hill()

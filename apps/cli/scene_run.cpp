@@ -20,6 +20,8 @@ void SceneOptions::declare(Args& args) {
   args.group("Scene");
   args.texts("--set", "TARGET.NAME=VALUE", set,
              "Set a parameter of a layer, a geology, the terrain or the scene; may be repeated");
+  args.text("--dem", "FILE", dem,
+            "Elevation model to put the scene on in place of its own; the voxel then follows from it");
   args.numbers("--window", "X,Y,W,H", window, 4, "Part of the elevation model to use, in pixels");
   args.number("--resolution", "M", resolution, 0, 1e5, "m", "Pixel size to bring the elevation model to");
   args.number("--voxel", "M", voxel, 0, 1e5, "m",
@@ -31,6 +33,16 @@ void SceneOptions::declare(Args& args) {
 }
 
 void SceneOptions::apply(scene::Document& document) const {
+  if (!dem.empty()) {
+    const scene::TerrainSettings own = document.terrain;
+    document.terrain = {};
+    document.terrain.source = fs::absolute(dem).string();
+    document.terrain.influence = own.influence;
+    document.terrain.amplitude = own.amplitude;
+    document.terrain.interpolation = own.interpolation;
+    document.terrain.distance = own.distance;
+    document.scene.voxel = 0;
+  }
   if (!window.empty()) document.terrain.window = window;
   if (resolution) document.terrain.resolution = *resolution;
   if (voxel) document.scene.voxel = *voxel;

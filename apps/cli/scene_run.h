@@ -20,6 +20,7 @@ namespace tafoni::cli {
 /// Options that override what a scene says.
 struct SceneOptions {
   std::vector<std::string> set;
+  std::string dem;
   std::vector<double> window;
   std::optional<double> resolution, voxel, simplify;
   std::optional<std::int64_t> seed;
