@@ -36,7 +36,7 @@ def float32(v):
 
 
 class Brute:
-    """f = min(f_T, f_P) + sum of energy g, bilinear heights, vertical distance."""
+    """f = min(f_T + sum of energy g, f_P), bilinear heights, vertical distance."""
 
     def __init__(self, heights, pixel, west, south, base, influence, amplitude, primitives):
         self.h, self.pixel, self.west, self.south, self.base = heights, pixel, west, south, base
@@ -69,11 +69,11 @@ class Brute:
         return (1 - u * u) ** 3 if u < 1 else 0.0
 
     def value(self, x, y, z):
-        f = min(self.sigma(self.height(x, y) - z), self.sigma(self.border(x, y, z)))
+        f = self.sigma(self.height(x, y) - z)
         for kind, px, py, pz, radius, energy in self.primitives:
             d = math.dist((x, y, z), (px, py, pz))
             f += energy * (self.g(d / radius) if kind == "point" else self.g(max(d - radius, 0) / self.R))
-        return f
+        return min(f, self.sigma(self.border(x, y, z)))
 
 
 class Case(unittest.TestCase):
@@ -201,7 +201,7 @@ class Errors(Case):
         self.fails(3, "x is \"a\", which is not a number", "query", "hill.asc", "--points", "-", stdin="x,y,z\na,1,2\n")
         (self.dir / "p.toml").write_text("[terrain]\nsource = 'hill.asc'\n[[layer]]\ntype = 'primitives'\nfile = 'p.csv'\n")
         (self.dir / "p.csv").write_text("kind,x,y,z,radius,energy\npoint,1,2,3,4,5\ncube,1,2,3,4,5\n")
-        self.fails(3, "p.csv:3: kind is \"cube\"; expected point or sphere", "build", "p.toml", "-o", "a.glb")
+        self.fails(3, "p.csv:3: kind is \"cube\"; known are", "build", "p.toml", "-o", "a.glb")
         (self.dir / "p.csv").write_text("kind,x,y,z,radius,energy\npoint,1e8,2,3,4,5\n")
         self.fails(3, "p.csv:2: ", "build", "p.toml", "-o", "a.glb")
         self.assertNotIn("a.glb", self.files())

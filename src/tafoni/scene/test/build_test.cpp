@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
@@ -23,7 +24,7 @@ using ::testing::HasSubstr;
 class BuildScene : public ::testing::Test {
  protected:
   void SetUp() override {
-    root = fs::path(::testing::TempDir()) / "tafoni_build_scene";
+    root = fs::path(::testing::TempDir()) / ("tafoni_build_" + std::to_string(::getpid()));
     fs::remove_all(root);
     fs::create_directories(root);
   }

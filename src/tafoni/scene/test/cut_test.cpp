@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/mesh/palette.h"
@@ -60,10 +61,12 @@ TEST(Cut, KeepsTheLeftOfAnyLine) {
 }
 
 TEST(Cut, AirBelowGroundStaysOpen) {
-  const auto csv = std::filesystem::path(testing::TempDir()) / "cut_hole.csv";
+  const auto csv =
+      std::filesystem::path(testing::TempDir()) / ("cut_hole_" + std::to_string(::getpid()) + ".csv");
   std::ofstream(csv) << "kind,x,y,z,radius,energy\npoint,12,20,8,8,-30\n";
   const BuiltScene whole = build(block());
-  const BuiltScene holed = build(block("[[layer]]\ntype = \"primitives\"\nfile = \"cut_hole.csv\"\n"));
+  const BuiltScene holed =
+      build(block("[[layer]]\ntype = \"primitives\"\nfile = \"" + csv.filename().string() + "\"\n"));
   const double missing = area_in(cut_mesh(whole, middle_cut(whole)), {0, 20}, {1, 0}) -
                          area_in(cut_mesh(holed, middle_cut(holed)), {0, 20}, {1, 0});
   // f = -30 g(d / 8) plus at most T: a disk of some radius below 8 m.
