@@ -21,11 +21,14 @@ std::vector<raster::Grid<float>> max_pyramid(const raster::Grid<float>& heights,
   for (int level = 1; level < levels; ++level) {
     const raster::Grid<float>& fine = pyramid.back();
     raster::Grid<float> coarse((fine.width() + 1) / 2, (fine.height() + 1) / 2, nothing);
-    for (int row = 0; row < fine.height(); ++row)
-      for (int col = 0; col < fine.width(); ++col) {
-        float& most = coarse.at(col / 2, row / 2);
-        most = std::max(most, fine.at(col, row));
-      }
+    parallel_blocks(coarse.height(), 64, [&](std::int64_t begin, std::int64_t end) {
+      for (int row = 2 * static_cast<int>(begin); row < std::min(2 * static_cast<int>(end), fine.height());
+           ++row)
+        for (int col = 0; col < fine.width(); ++col) {
+          float& most = coarse.at(col / 2, row / 2);
+          most = std::max(most, fine.at(col, row));
+        }
+    });
     pyramid.push_back(std::move(coarse));
   }
   return pyramid;
