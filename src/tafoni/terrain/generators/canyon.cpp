@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/terrain/generator.h"
 #include "tafoni/terrain/impl/face.h"
 #include "tafoni/terrain/impl/plane_noise.h"
+#include "tafoni/terrain/impl/rows.h"
 #include "tafoni/terrain/impl/valleys.h"
 
 namespace tafoni::terrain {
@@ -64,17 +64,10 @@ class Builder {
         face_(1.5 * (p.relief + p.domes) + 20, beds(), seed) {}
 
   raster::Raster run(Progress& progress) {
-    progress.begin("canyon", static_cast<std::uint64_t>(p_.height), "rows");
     progress.check();
     const impl::ValleyMap map = valleys();
-    raster::Raster out{
-        raster::Grid<float>(static_cast<int>(p_.width), static_cast<int>(p_.height)), placement_, {}};
-    parallel_for(
-        p_.height,
-        [&](std::int64_t row) { relief(map, static_cast<int>(row), out.values.row(static_cast<int>(row))); },
-        progress);
-    progress.end();
-    return out;
+    return impl::by_rows(p_, "canyon", progress,
+                         [&](int row, const raster::Placement&, float* out) { relief(map, row, out); });
   }
 
  private:

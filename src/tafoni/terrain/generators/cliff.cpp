@@ -3,10 +3,10 @@
 #include <numbers>
 #include <vector>
 
-#include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/terrain/generator.h"
+#include "tafoni/terrain/impl/rows.h"
 
 namespace tafoni::terrain {
 namespace {
@@ -52,21 +52,10 @@ class Builder {
   Builder(const Cliff& p, std::uint64_t seed) : p_(p), seed_(seed) {}
 
   raster::Raster run(Progress& progress) const {
-    const int nx = static_cast<int>(p_.width), ny = static_cast<int>(p_.height);
-    raster::Raster out;
-    out.values = raster::Grid<float>(nx, ny);
-    out.placement = {0, p_.pixel * ny, p_.pixel, p_.pixel};
-    progress.begin("cliff", static_cast<std::uint64_t>(ny), "rows");
-    parallel_for(
-        ny,
-        [&](std::int64_t row) {
-          for (int col = 0; col < nx; ++col)
-            out.values.at(col, static_cast<int>(row)) =
-                static_cast<float>(height(out.placement.center(col, static_cast<double>(row))));
-        },
-        progress);
-    progress.end();
-    return out;
+    return impl::by_rows(p_, "cliff", progress, [&](int row, const raster::Placement& at, float* out) {
+      for (int col = 0; col < static_cast<int>(p_.width); ++col)
+        out[col] = static_cast<float>(height(at.center(col, row)));
+    });
   }
 
  private:

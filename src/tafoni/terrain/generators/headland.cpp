@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/terrain/generator.h"
 #include "tafoni/terrain/impl/plane_noise.h"
+#include "tafoni/terrain/impl/rows.h"
 
 namespace tafoni::terrain {
 namespace {
@@ -52,7 +52,6 @@ class Builder {
  public:
   Builder(const Headland& p, std::uint64_t seed)
       : p_(p),
-        placement_{0, p.pixel * static_cast<double>(p.height), p.pixel, p.pixel},
         middle_(0.5 * p.pixel * static_cast<double>(p.width)),
         shore_(0.5 * p.pixel * static_cast<double>(p.height)),
         outline_(0.35 * p.breadth, 3, hash_combine(seed, 1)),
@@ -80,19 +79,10 @@ class Builder {
   }
 
   raster::Raster run(Progress& progress) const {
-    progress.begin("headland", static_cast<std::uint64_t>(p_.height), "rows");
-    raster::Raster out{
-        raster::Grid<float>(static_cast<int>(p_.width), static_cast<int>(p_.height)), placement_, {}};
-    parallel_for(
-        p_.height,
-        [&](std::int64_t row) {
-          for (int col = 0; col < static_cast<int>(p_.width); ++col)
-            out.values.at(col, static_cast<int>(row)) =
-                static_cast<float>(height(placement_.center(col, static_cast<double>(row))));
-        },
-        progress);
-    progress.end();
-    return out;
+    return impl::by_rows(p_, "headland", progress, [&](int row, const raster::Placement& at, float* out) {
+      for (int col = 0; col < static_cast<int>(p_.width); ++col)
+        out[col] = static_cast<float>(height(at.center(col, row)));
+    });
   }
 
  private:
@@ -110,7 +100,6 @@ class Builder {
   }
 
   Headland p_;
-  raster::Placement placement_;
   double middle_, shore_;
   PlaneNoise outline_, joints_, top_, rock_;
   double skew_;
@@ -127,7 +116,7 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 const GeneratorType& generator_headland() {
   static const GeneratorType type{"headland",
                                   "A headland of bedded limestone with upright cliffs between two coves",
-                                  "the setting of document 003, figure 25", table().infos(), &generate};
+                                  "the setting of Paris et al. 2019, figure 25", table().infos(), &generate};
   return type;
 }
 
