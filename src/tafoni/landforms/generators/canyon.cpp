@@ -129,8 +129,11 @@ class CanyonWalls {
     const double low = above > 0 ? (1 - above * above) * (1 - 0.5 * above) : 1;
     const double nz = static_cast<double>(at.normal.z);
     const double wall = smoothstep(0, 0.35, 0.92 - nz) * (nz < 0 ? 1 + 0.7 * nz : 1);
-    return std::min(1.0, 1.15 * std::sqrt(bank.stress)) * low *
-           (p_.bed + (1 - p_.bed) * wall * against(at, bank)) * ground_.weight(at.position);
+    const double flood = std::min(1.0, 1.15 * std::sqrt(bank.stress)) * low;
+    // The effect is never above the stress, so that what cannot reach the cutoff need not be looked at
+    // closer.
+    if (flood * (p_.bed + (1 - p_.bed) * wall) < p_.cutoff) return 0;
+    return flood * (p_.bed + (1 - p_.bed) * wall * against(at, bank)) * ground_.weight(at.position);
   }
 
   /// 1 where the water comes towards the wall, 1 - undercut where it leaves it. What counts is the flow a

@@ -93,6 +93,7 @@ class SeaCliff {
         ground_(site),
         joints_(p.joint_spacing, std::max(1.2, 0.1 * p.joint_spacing), hash_combine(site.seed, 0x4a)),
         sea_z_(p.sea_level - site.origin.z),
+        gentle_(std::cos(p.slope * 3.14159265358979323846 / 180)),
         tree_(site.terrain),
         progress_(progress) {}
 
@@ -194,20 +195,22 @@ class SeaCliff {
   /// 1 on faces, 0 on ground gentler than the limit; ceilings give way less than walls, so that notches
   /// grow inward rather than upward.
   double steepness(Vec3f normal) const {
-    const double limit = std::cos(p_.slope * 3.14159265358979323846 / 180);
     const double nz = static_cast<double>(normal.z);
-    return smoothstep(0, 0.22, limit - nz) * (nz < 0 ? 1 + 0.65 * nz : 1);
+    return smoothstep(0, 0.22, gentle_ - nz) * (nz < 0 ? 1 + 0.65 * nz : 1);
   }
 
   /// How much of the sea reaches a place, whatever its elevation; none on platforms.
   double exposed(const SurfacePoint& at) const {
-    return steepness(at.normal) * nearness(at.position) * ground_.weight(at.position);
+    const double steep = steepness(at.normal);
+    return steep > 0 ? steep * nearness(at.position) * ground_.weight(at.position) : 0;
   }
 
   /// sigma = w alpha (document 003, section 6.1), spared where the ground is a platform.
   double stress(const SurfacePoint& at) const {
     const double u = (at.position.z - sea_z_) / p_.range;
-    return u * u >= 1 ? 0 : (1 - u * u) * accessibility(at.position) * exposed(at);
+    if (u * u >= 1) return 0;
+    const double open = exposed(at);
+    return open > 0 ? (1 - u * u) * accessibility(at.position) * open : 0;
   }
 
   double resistance(Vec3d p) const { return jointed(ground_.resistance(p), p); }
@@ -228,7 +231,8 @@ class SeaCliff {
     };
     // e is never above the stress, so what the threshold drops need not be sampled.
     sampling.accept = [this, &stress_at](const SurfacePoint& at) {
-      return ground_.usable(at.position) && stress_at(at) > 0 && stress_at(at) >= p_.threshold;
+      const double stress = stress_at(at);
+      return stress > 0 && stress >= p_.threshold && ground_.usable(at.position);
     };
     const auto points = sample_surface(field, sampling, progress_);
     std::vector<Vec3d> places(points.size());
@@ -438,6 +442,7 @@ class SeaCliff {
   Ground ground_;
   Joints joints_;
   double sea_z_;
+  double gentle_;  ///< the normal's z above which ground is beach or platform
   field::NodePtr tree_;
   Progress& progress_;
   raster::Raster open_, water_;
