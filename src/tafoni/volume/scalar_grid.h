@@ -62,7 +62,8 @@ class ScalarGrid {
   float at(Vec3i sample) const;
   /// out[(z * ny + y) * nx + x], counted from box.lo.
   void read(const SampleBox& box, float* out) const;
-  /// Within the frame, `in` as read() has it. Half precision rounds to nearest.
+  /// Within the frame, `in` as read() has it, of finite values. Half precision rounds to the nearest half (at
+  /// most 65504 either way). Works on several threads where the box is large.
   void write(const SampleBox& box, const float* in);
   /// `change(first, row)` may alter the values of a run of samples along x. A run never crosses a chunk;
   /// chunks are visited in order and by one thread. Gives the box of the samples whose value changed.

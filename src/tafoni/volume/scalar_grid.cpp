@@ -1,0 +1,459 @@
+#include "tafoni/volume/scalar_grid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+#include "tafoni/volume/impl/grid_chunk.h"
+
+namespace tafoni::volume {
+namespace {
+
+using impl::GridChunk;
+using impl::side;
+using impl::Slot;
+
+constexpr int shift = 5;
+static_assert(1 << shift == side);
+
+/// A cell and where in it, each of t in [0, 1].
+struct CellPoint {
+  Vec3i cell;
+  Vec3f t;
+};
+
+/// Along one axis of n samples; beyond them the nearest.
+int cell_of(double u, int n) {
+  return std::min(u > 0 ? static_cast<int>(std::min(u, n - 1.0)) : 0, n - 2);
+}
+
+bool covers(const SampleBox& outer, const SampleBox& inner) {
+  return outer.lo.x <= inner.lo.x && outer.lo.y <= inner.lo.y && outer.lo.z <= inner.lo.z &&
+         outer.hi.x >= inner.hi.x && outer.hi.y >= inner.hi.y && outer.hi.z >= inner.hi.z;
+}
+
+SampleBox common(const SampleBox& a, const SampleBox& b) {
+  return {{std::max(a.lo.x, b.lo.x), std::max(a.lo.y, b.lo.y), std::max(a.lo.z, b.lo.z)},
+          {std::min(a.hi.x, b.hi.x), std::min(a.hi.y, b.hi.y), std::min(a.hi.z, b.hi.z)}};
+}
+
+void expand(SampleBox& box, const SampleBox& by) {
+  if (by.empty()) return;
+  if (box.empty()) {
+    box = by;
+    return;
+  }
+  box = {{std::min(box.lo.x, by.lo.x), std::min(box.lo.y, by.lo.y), std::min(box.lo.z, by.lo.z)},
+         {std::max(box.hi.x, by.hi.x), std::max(box.hi.y, by.hi.y), std::max(box.hi.z, by.hi.z)}};
+}
+
+void expand(Interval& range, Interval by) {
+  range = {std::min(range.lo, by.lo), std::max(range.hi, by.hi)};
+}
+
+/// n samples of a slot from `index` on.
+void read_row(const Slot& slot, int index, int n, float* out) {
+  const GridChunk* chunk = slot.chunk.get();
+  if (!chunk)
+    std::fill_n(out, n, slot.value);
+  else if (chunk->single)
+    std::memcpy(out, chunk->single.get() + index, static_cast<std::size_t>(n) * sizeof(float));
+  else
+    for (int i = 0; i < n; ++i) out[i] = from_half(chunk->half[index + i]);
+}
+
+/// What a row looks like once it is stored.
+void round_row(Precision precision, std::span<float> row) {
+  if (precision == Precision::half)
+    for (float& v : row) v = from_half(to_half(v));
+}
+
+/// Writes the rows of one chunk that differ, owns the chunk from the first of them on, and leaves the ranges
+/// right even if the caller's function throws.
+class ChunkEditor {
+ public:
+  ChunkEditor(Slot& slot, Precision precision, const SampleBox& whole)
+      : slot_(slot), precision_(precision), whole_(whole) {}
+  ChunkEditor(const ChunkEditor&) = delete;
+  ChunkEditor& operator=(const ChunkEditor&) = delete;
+  ~ChunkEditor() {
+    if (touched_) impl::update_ranges(slot_.chunk.mine(), touched_, whole_.size());
+  }
+
+  /// change(first, row) over the rows of `part`. Gives the box of what changed.
+  template <class F>
+  SampleBox rows(const SampleBox& part, const F& change) {
+    SampleBox changed;
+    const int n = part.size().x;
+    float old[side], now[side];
+    for (int z = part.lo.z; z <= part.hi.z; ++z)
+      for (int y = part.lo.y; y <= part.hi.y; ++y) {
+        const Vec3i first{part.lo.x, y, z};
+        const int at = GridChunk::index(first.x - whole_.lo.x, y - whole_.lo.y, z - whole_.lo.z);
+        read_row(slot_, at, n, old);
+        std::copy_n(old, n, now);
+        change(first, std::span<float>(now, static_cast<std::size_t>(n)));
+        round_row(precision_, {now, static_cast<std::size_t>(n)});
+        if (std::memcmp(old, now, static_cast<std::size_t>(n) * sizeof(float)) == 0) continue;
+        int a = 0, b = n - 1;
+        while (same(old[a], now[a])) ++a;
+        while (same(old[b], now[b])) --b;
+        store(at + a, now + a, b - a + 1);
+        expand(changed, {{first.x + a, y, z}, {first.x + b, y, z}});
+      }
+    return changed;
+  }
+
+ private:
+  static bool same(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+  void store(int at, const float* row, int n) {
+    GridChunk& chunk = impl::own(slot_, precision_);
+    if (chunk.single)
+      std::copy_n(row, n, chunk.single.get() + at);
+    else
+      for (int i = 0; i < n; ++i) chunk.half[at + i] = to_half(row[i]);
+    const int x = at % side, y = at / side % side, z = at / (side * side);
+    const int block = ((z / impl::block_side) * impl::blocks_side + y / impl::block_side) * impl::blocks_side;
+    for (int b = x / impl::block_side; b <= (x + n - 1) / impl::block_side; ++b)
+      touched_ |= std::uint64_t{1} << (block + b);
+  }
+
+  Slot& slot_;
+  Precision precision_;
+  SampleBox whole_;
+  std::uint64_t touched_ = 0;
+};
+
+}  // namespace
+
+struct ScalarGrid::State {
+  GridFrame frame;
+  Precision precision;
+  Vec3i chunks;
+  std::vector<Slot> slots;
+
+  std::size_t slot_index(Vec3i c) const {
+    return (static_cast<std::size_t>(c.z) * chunks.y + c.y) * static_cast<std::size_t>(chunks.x) + c.x;
+  }
+  const Slot& slot_of(Vec3i s) const { return slots[slot_index({s.x >> shift, s.y >> shift, s.z >> shift})]; }
+  SampleBox samples() const { return {{0, 0, 0}, {frame.size.x - 1, frame.size.y - 1, frame.size.z - 1}}; }
+  SampleBox samples_of(Vec3i c) const {
+    return common(samples(), {{c.x * side, c.y * side, c.z * side},
+                              {c.x * side + side - 1, c.y * side + side - 1, c.z * side + side - 1}});
+  }
+
+  CellPoint locate(Vec3d p) const {
+    const auto axis = [&](double x, double o, int n, int& cell, float& t) {
+      const double u = (x - o) / frame.spacing;
+      cell = cell_of(u, n);
+      t = static_cast<float>(std::min(std::max(u - cell, 0.0), 1.0));
+    };
+    CellPoint c;
+    axis(p.x, frame.origin.x, frame.size.x, c.cell.x, c.t.x);
+    axis(p.y, frame.origin.y, frame.size.y, c.cell.y, c.t.y);
+    axis(p.z, frame.origin.z, frame.size.z, c.cell.z, c.t.z);
+    return c;
+  }
+
+  float at(Vec3i s) const {
+    const Slot& slot = slot_of(s);
+    if (!slot.chunk) return slot.value;
+    return slot.chunk.get()->at(GridChunk::index(s.x & (side - 1), s.y & (side - 1), s.z & (side - 1)));
+  }
+
+  /// The cell's corners, x fastest.
+  void corners(Vec3i cell, float out[8]) const {
+    const Vec3i in{cell.x & (side - 1), cell.y & (side - 1), cell.z & (side - 1)};
+    if (in.x == side - 1 || in.y == side - 1 || in.z == side - 1) {
+      for (int c = 0; c < 8; ++c) out[c] = at({cell.x + (c & 1), cell.y + ((c >> 1) & 1), cell.z + (c >> 2)});
+      return;
+    }
+    const Slot& slot = slot_of(cell);
+    const int first = GridChunk::index(in.x, in.y, in.z);
+    for (int row = 0; row < 4; ++row)
+      read_row(slot, first + (row & 1) * side + (row >> 1) * side * side, 2, out + 2 * row);
+  }
+
+  float value(Vec3d p) const {
+    const CellPoint at_point = locate(p);
+    float c[8];
+    corners(at_point.cell, c);
+    const Vec3f t = at_point.t, s{1 - t.x, 1 - t.y, 1 - t.z};
+    const float low = s.y * (s.x * c[0] + t.x * c[1]) + t.y * (s.x * c[2] + t.x * c[3]);
+    const float high = s.y * (s.x * c[4] + t.x * c[5]) + t.y * (s.x * c[6] + t.x * c[7]);
+    // Rounding must not leave what range() gives.
+    float least = c[0], most = c[0];
+    for (int i = 1; i < 8; ++i) least = std::min(least, c[i]), most = std::max(most, c[i]);
+    return std::min(std::max(s.z * low + t.z * high, least), most);
+  }
+
+  Vec3f gradient(Vec3d p) const {
+    const CellPoint at_point = locate(p);
+    float c[8];
+    corners(at_point.cell, c);
+    const Vec3f t = at_point.t, s{1 - t.x, 1 - t.y, 1 - t.z};
+    const float scale = static_cast<float>(1 / frame.spacing);
+    const float low = s.x * (c[2] - c[0]) + t.x * (c[3] - c[1]),
+                high = s.x * (c[6] - c[4]) + t.x * (c[7] - c[5]);
+    Vec3f g{
+        s.z * (s.y * (c[1] - c[0]) + t.y * (c[3] - c[2])) + t.z * (s.y * (c[5] - c[4]) + t.y * (c[7] - c[6])),
+        s.z * low + t.z * high,
+        s.y * (s.x * (c[4] - c[0]) + t.x * (c[5] - c[1])) +
+            t.y * (s.x * (c[6] - c[2]) + t.x * (c[7] - c[3]))};
+    const Box3d box = frame.box();
+    if (p.x < box.lo.x || p.x > box.hi.x) g.x = 0;
+    if (p.y < box.lo.y || p.y > box.hi.y) g.y = 0;
+    if (p.z < box.lo.z || p.z > box.hi.z) g.z = 0;
+    return g * scale;
+  }
+
+  /// The samples that value() reads for points of the box.
+  SampleBox samples_for(const Box3d& box) const {
+    const auto first = [&](double x, double o, int n) { return cell_of((x - o) / frame.spacing, n); };
+    const Vec3d o = frame.origin;
+    const Vec3i n = frame.size;
+    return {{first(box.lo.x, o.x, n.x), first(box.lo.y, o.y, n.y), first(box.lo.z, o.z, n.z)},
+            {first(box.hi.x, o.x, n.x) + 1, first(box.hi.y, o.y, n.y) + 1, first(box.hi.z, o.z, n.z) + 1}};
+  }
+
+  /// visit(chunk, its samples within the box), z slowest.
+  template <class F>
+  void for_chunks(const SampleBox& box, const F& visit) const {
+    const SampleBox inside = common(box, samples());
+    if (inside.empty()) return;
+    for (int c = inside.lo.z >> shift; c <= inside.hi.z >> shift; ++c)
+      for (int b = inside.lo.y >> shift; b <= inside.hi.y >> shift; ++b)
+        for (int a = inside.lo.x >> shift; a <= inside.hi.x >> shift; ++a)
+          visit(Vec3i{a, b, c}, common(inside, samples_of({a, b, c})));
+  }
+
+  /// Of samples of one full chunk. Blocks that are not wholly in it count whole unless `exact`.
+  static void chunk_range(const GridChunk& chunk, Vec3i first, const SampleBox& part, bool exact,
+                          Interval& range) {
+    constexpr int n = impl::block_side;
+    const Vec3i lo = part.lo - first, hi = part.hi - first;
+    for (int z = lo.z / n; z <= hi.z / n; ++z)
+      for (int y = lo.y / n; y <= hi.y / n; ++y)
+        for (int x = lo.x / n; x <= hi.x / n; ++x) {
+          const SampleBox block{{x * n, y * n, z * n}, {x * n + n - 1, y * n + n - 1, z * n + n - 1}};
+          const SampleBox both = common({lo, hi}, block);
+          if (!exact || both == block) {
+            expand(
+                range,
+                chunk.ranges[static_cast<std::size_t>((z * impl::blocks_side + y) * impl::blocks_side + x)]);
+            continue;
+          }
+          for (int k = both.lo.z; k <= both.hi.z; ++k)
+            for (int j = both.lo.y; j <= both.hi.y; ++j)
+              for (int i = both.lo.x; i <= both.hi.x; ++i) {
+                const float v = chunk.at(GridChunk::index(i, j, k));
+                expand(range, {v, v});
+              }
+        }
+  }
+};
+
+ScalarGrid::ScalarGrid(const GridFrame& frame, float value, Precision precision) {
+  const Vec3i n = frame.size;
+  if (n.x < 2 || n.y < 2 || n.z < 2)
+    fail(ErrorKind::usage, "a grid of {} x {} x {} samples has no cells: each side takes at least 2", n.x,
+         n.y, n.z);
+  if (!(frame.spacing > 0) || !std::isfinite(frame.spacing) || !frame.box().bounded())
+    fail(ErrorKind::usage, "a grid's origin must be finite and its spacing ({}) above 0 and finite",
+         frame.spacing);
+  if (static_cast<double>(n.x) * n.y * n.z > 0x1p40)
+    fail(ErrorKind::usage, "a grid of {} x {} x {} samples is too large: at most 2^40 in all", n.x, n.y, n.z);
+  const auto count = [](int samples) { return (samples - 1) / side + 1; };
+  float row[1] = {value};
+  round_row(precision, row);
+  state_ = std::make_unique<State>(State{frame, precision, {count(n.x), count(n.y), count(n.z)}, {}});
+  const Vec3i c = state_->chunks;
+  state_->slots.assign(static_cast<std::size_t>(c.x) * c.y * static_cast<std::size_t>(c.z), {{}, row[0]});
+}
+
+ScalarGrid::ScalarGrid(const ScalarGrid& other) : state_(std::make_unique<State>(*other.state_)) {}
+ScalarGrid& ScalarGrid::operator=(const ScalarGrid& other) {
+  if (this != &other) state_ = std::make_unique<State>(*other.state_);
+  return *this;
+}
+ScalarGrid::ScalarGrid(ScalarGrid&&) noexcept = default;
+ScalarGrid& ScalarGrid::operator=(ScalarGrid&&) noexcept = default;
+ScalarGrid::~ScalarGrid() = default;
+
+const GridFrame& ScalarGrid::frame() const {
+  return state_->frame;
+}
+Precision ScalarGrid::precision() const {
+  return state_->precision;
+}
+SampleBox ScalarGrid::samples() const {
+  return state_->samples();
+}
+Vec3i ScalarGrid::chunks() const {
+  return state_->chunks;
+}
+
+SampleBox ScalarGrid::samples_in(const Box3d& box) const {
+  if (box.empty() || !box.overlaps(state_->frame.box())) return {};
+  return state_->samples_for(box);
+}
+
+float ScalarGrid::at(Vec3i s) const {
+  const Vec3i n = state_->frame.size;
+  return state_->at({std::clamp(s.x, 0, n.x - 1), std::clamp(s.y, 0, n.y - 1), std::clamp(s.z, 0, n.z - 1)});
+}
+
+void ScalarGrid::read(const SampleBox& box, float* out) const {
+  if (box.empty()) return;
+  const State& state = *state_;
+  const Vec3i n = state.frame.size;
+  // The part of a row beyond the frame's ends, then the part within.
+  const int left = std::clamp(-box.lo.x, 0, box.size().x),
+            right = std::clamp(box.hi.x - n.x + 1, 0, box.size().x);
+  for (int z = box.lo.z; z <= box.hi.z; ++z)
+    for (int y = box.lo.y; y <= box.hi.y; ++y, out += box.size().x) {
+      const int in_y = std::clamp(y, 0, n.y - 1), in_z = std::clamp(z, 0, n.z - 1);
+      if (left) std::fill_n(out, left, state.at({0, in_y, in_z}));
+      if (right) std::fill_n(out + box.size().x - right, right, state.at({n.x - 1, in_y, in_z}));
+      for (int x = box.lo.x + left; x <= box.hi.x - right;) {
+        const int count = std::min(box.hi.x - right, x | (side - 1)) - x + 1;
+        read_row(state.slot_of({x, in_y, in_z}),
+                 GridChunk::index(x & (side - 1), in_y & (side - 1), in_z & (side - 1)), count,
+                 out + (x - box.lo.x));
+        x += count;
+      }
+    }
+}
+
+void ScalarGrid::write(const SampleBox& box, const float* in) {
+  State& state = *state_;
+  if (!box.empty() && !covers(state.samples(), box))
+    fail(ErrorKind::internal,
+         "samples ({}, {}, {}) to ({}, {}, {}) are written, which the grid does not have", box.lo.x, box.lo.y,
+         box.lo.z, box.hi.x, box.hi.y, box.hi.z);
+  std::vector<std::pair<Vec3i, SampleBox>> parts;
+  state.for_chunks(box, [&](Vec3i chunk, const SampleBox& part) { parts.emplace_back(chunk, part); });
+  const Vec3i n = box.size();
+  parallel_blocks(static_cast<std::int64_t>(parts.size()), 4, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      const auto& [chunk, part] = parts[static_cast<std::size_t>(i)];
+      ChunkEditor(state.slots[state.slot_index(chunk)], state.precision, state.samples_of(chunk))
+          .rows(part, [&](Vec3i first, std::span<float> row) {
+            const Vec3i at = first - box.lo;
+            const float* from = in + (static_cast<std::ptrdiff_t>(at.z) * n.y + at.y) * n.x + at.x;
+            std::copy_n(from, row.size(), row.data());
+          });
+    }
+  });
+}
+
+SampleBox ScalarGrid::edit(const SampleBox& box,
+                           const std::function<void(Vec3i first, std::span<float> row)>& change) {
+  SampleBox changed;
+  State& state = *state_;
+  state.for_chunks(box, [&](Vec3i chunk, const SampleBox& part) {
+    ChunkEditor editor(state.slots[state.slot_index(chunk)], state.precision, state.samples_of(chunk));
+    expand(changed, editor.rows(part, change));
+  });
+  return changed;
+}
+
+void ScalarGrid::compact() {
+  State& state = *state_;
+  state.for_chunks(state.samples(), [&](Vec3i c, const SampleBox& part) {
+    Slot& slot = state.slots[state.slot_index(c)];
+    if (!slot.chunk || slot.chunk.get()->range.lo != slot.chunk.get()->range.hi) return;
+    const Slot alike{{}, slot.chunk.get()->at(0)};
+    // Zeros of both signs are equal but not alike.
+    float row[side], same[side];
+    std::fill_n(same, side, alike.value);
+    const Vec3i n = part.size();
+    for (int z = 0; z < n.z; ++z)
+      for (int y = 0; y < n.y; ++y) {
+        read_row(slot, GridChunk::index(0, y, z), n.x, row);
+        if (std::memcmp(row, same, static_cast<std::size_t>(n.x) * sizeof(float)) != 0) return;
+      }
+    slot = alike;
+  });
+}
+
+float ScalarGrid::value(Vec3d p) const {
+  return state_->value(p);
+}
+
+void ScalarGrid::values(std::span<const Vec3d> points, std::span<float> out) const {
+  for (std::size_t i = 0; i < points.size(); ++i) out[i] = state_->value(points[i]);
+}
+
+void ScalarGrid::gradients(std::span<const Vec3d> points, std::span<Vec3f> out) const {
+  for (std::size_t i = 0; i < points.size(); ++i) out[i] = state_->gradient(points[i]);
+}
+
+Interval ScalarGrid::range(const Box3d& box) const {
+  if (box.empty()) return {};
+  const State& state = *state_;
+  const SampleBox samples = state.samples_for(box);
+  constexpr int most = 2 * impl::block_side + 2;  // samples that 16 cells touch, wherever they begin
+  const Vec3i n = samples.size();
+  const bool exact = n.x <= most && n.y <= most && n.z <= most;
+  const float first = state.at(samples.lo);
+  Interval range{first, first};
+  state.for_chunks(samples, [&](Vec3i c, const SampleBox& part) {
+    const Slot& slot = state.slots[state.slot_index(c)];
+    if (!slot.chunk)
+      expand(range, {slot.value, slot.value});
+    else if (part == state.samples_of(c))
+      expand(range, slot.chunk.get()->range);
+    else
+      State::chunk_range(*slot.chunk.get(), {c.x * side, c.y * side, c.z * side}, part, exact, range);
+  });
+  return range;
+}
+
+const float* ScalarGrid::chunk(Vec3i c) const {
+  const GridChunk* chunk = state_->slots[state_->slot_index(c)].chunk.get();
+  return chunk ? chunk->single.get() : nullptr;
+}
+
+bool ScalarGrid::uniform(Vec3i c, float* value) const {
+  const Slot& slot = state_->slots[state_->slot_index(c)];
+  if (slot.chunk) return false;
+  if (value) *value = slot.value;
+  return true;
+}
+
+std::uint64_t ScalarGrid::full_chunks() const {
+  return static_cast<std::uint64_t>(
+      std::count_if(state_->slots.begin(), state_->slots.end(), [](const Slot& s) { return bool(s.chunk); }));
+}
+
+std::uint64_t ScalarGrid::bytes() const {
+  const std::uint64_t sample = state_->precision == Precision::single ? sizeof(float) : sizeof(std::uint16_t);
+  return sizeof(State) + state_->slots.capacity() * sizeof(Slot) +
+         full_chunks() * (sizeof(GridChunk) + sample * impl::chunk_size);
+}
+
+bool operator==(const ScalarGrid& a, const ScalarGrid& b) {
+  const ScalarGrid::State &s = *a.state_, &t = *b.state_;
+  if (s.frame != t.frame || s.precision != t.precision) return false;
+  bool equal = true;
+  s.for_chunks(s.samples(), [&](Vec3i c, const SampleBox& part) {
+    const Slot &p = s.slots[s.slot_index(c)], &q = t.slots[t.slot_index(c)];
+    if (!equal || (p.chunk && p.chunk.get() == q.chunk.get())) return;
+    const Vec3i n = part.size();
+    for (int z = 0; z < n.z && equal; ++z)
+      for (int y = 0; y < n.y && equal; ++y) {
+        float u[side], v[side];
+        read_row(p, GridChunk::index(0, y, z), n.x, u);
+        read_row(q, GridChunk::index(0, y, z), n.x, v);
+        equal = std::memcmp(u, v, static_cast<std::size_t>(n.x) * sizeof(float)) == 0;
+      }
+  });
+  return equal;
+}
+
+}  // namespace tafoni::volume
