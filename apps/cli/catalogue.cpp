@@ -6,6 +6,7 @@
 #include "tafoni/field/operator.h"
 #include "tafoni/field/primitive.h"
 #include "tafoni/geology/kind.h"
+#include "tafoni/grammar/solid.h"
 #include "tafoni/io/format.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/scene/brush.h"
@@ -189,6 +190,7 @@ std::vector<Topic> catalogue() {
           brushes(),
           topic("primitives", "Leaves of construction trees", field::all_primitives()),
           topic("operators", "How trees are combined, moved and eroded", field::all_operators()),
+          topic("solids", "What grammar caves are made of", grammar::all_solids()),
           formats()};
 }
 

@@ -1,0 +1,38 @@
+#pragma once
+// What the solids share.
+
+#include <cmath>
+#include <string_view>
+
+#include "tafoni/grammar/solid.h"
+
+namespace tafoni::grammar::impl {
+
+inline constexpr double least_size = 1e-3, greatest_size = 1e4;  // metres
+
+/// A solid whose sizes are its members.
+template <class S>
+SolidPtr made(const std::vector<ParamInfo>& infos, const Values& sizes, std::string_view name) {
+  auto solid = std::make_shared<S>();
+  assign(infos, solid.get(), sizes, name);
+  return solid;
+}
+
+/// The middles of the six sides of a box of these half widths.
+inline std::vector<Bond> six_sides(Vec3d half) {
+  return {{{half.x, 0, 0}, {1, 0, 0}},   {{-half.x, 0, 0}, {-1, 0, 0}}, {{0, half.y, 0}, {0, 1, 0}},
+          {{0, -half.y, 0}, {0, -1, 0}}, {{0, 0, half.z}, {0, 0, 1}},   {{0, 0, -half.z}, {0, 0, -1}}};
+}
+
+inline Box3d centered(Vec3d half) {
+  return {-half, half};
+}
+
+/// Distance to the segment from a to b.
+inline double to_segment(Vec3d p, Vec3d a, Vec3d b) {
+  const Vec3d along = b - a;
+  const double t = std::clamp(dot(p - a, along) / dot(along, along), 0.0, 1.0);
+  return length(p - (a + along * t));
+}
+
+}  // namespace tafoni::grammar::impl

@@ -1,0 +1,41 @@
+#include "tafoni/grammar/impl/shared.h"
+
+namespace tafoni::grammar {
+namespace {
+
+struct Cylinder final : Solid {
+  double radius = 1, height = 2;
+
+  double distance(Vec3d p) const override {
+    const double r = std::hypot(p.x, p.y) - radius, z = std::abs(p.z) - height / 2;
+    return -std::hypot(std::max(r, 0.0), std::max(z, 0.0)) - std::min(std::max(r, z), 0.0);
+  }
+  Box3d bounds() const override { return impl::centered({radius, radius, height / 2}); }
+  std::vector<Bond> bonds() const override { return impl::six_sides({radius, radius, height / 2}); }
+};
+
+const std::vector<ParamInfo>& table() {
+  static const std::vector<ParamInfo> params =
+      ParamTable<Cylinder>()
+          .real("radius", &Cylinder::radius, "m", impl::least_size, impl::greatest_size, "of its round side")
+          .real("height", &Cylinder::height, "m", impl::least_size, impl::greatest_size,
+                "from end to end, along z");
+  return params;
+}
+
+}  // namespace
+
+const SolidType& solid_cylinder() {
+  static const SolidType type{
+      "cylinder",
+      "An upright cylinder; bonds in the middles of its ends and on four sides",
+      "document 004, section 2.2",
+      table(),
+      [](const Values& sizes) { return impl::made<Cylinder>(table(), sizes, "cylinder"); },
+      [](Vec3d half) {
+        return Values{{"radius", std::min(half.x, half.y)}, {"height", 2 * half.z}};
+      }};
+  return type;
+}
+
+}  // namespace tafoni::grammar

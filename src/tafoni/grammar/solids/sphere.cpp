@@ -1,0 +1,35 @@
+#include "tafoni/grammar/impl/shared.h"
+
+namespace tafoni::grammar {
+namespace {
+
+struct Sphere final : Solid {
+  double radius = 1;
+
+  double distance(Vec3d p) const override { return radius - length(p); }
+  Box3d bounds() const override { return impl::centered({radius, radius, radius}); }
+  std::vector<Bond> bonds() const override { return impl::six_sides({radius, radius, radius}); }
+};
+
+const std::vector<ParamInfo>& table() {
+  static const std::vector<ParamInfo> params = ParamTable<Sphere>().real(
+      "radius", &Sphere::radius, "m", impl::least_size, impl::greatest_size, "of the sphere");
+  return params;
+}
+
+}  // namespace
+
+const SolidType& solid_sphere() {
+  static const SolidType type{
+      "sphere",
+      "A sphere; bonds at its six poles",
+      "document 004, section 2.2",
+      table(),
+      [](const Values& sizes) { return impl::made<Sphere>(table(), sizes, "sphere"); },
+      [](Vec3d half) {
+        return Values{{"radius", std::min({half.x, half.y, half.z})}};
+      }};
+  return type;
+}
+
+}  // namespace tafoni::grammar

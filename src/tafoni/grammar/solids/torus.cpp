@@ -1,0 +1,44 @@
+#include "tafoni/grammar/impl/shared.h"
+
+namespace tafoni::grammar {
+namespace {
+
+struct Torus final : Solid {
+  double ring = 1, tube = 0.4;
+
+  double distance(Vec3d p) const override { return tube - std::hypot(std::hypot(p.x, p.y) - ring, p.z); }
+  Box3d bounds() const override { return impl::centered({ring + tube, ring + tube, tube}); }
+  /// Passages enter from outside, from above and below, but not from the hole, where there is no room.
+  std::vector<Bond> bonds() const override {
+    std::vector<Bond> out = impl::six_sides({ring + tube, ring + tube, tube});
+    out[4].point.x = out[5].point.x = ring;
+    return out;
+  }
+};
+
+const std::vector<ParamInfo>& table() {
+  static const std::vector<ParamInfo> params =
+      ParamTable<Torus>()
+          .real("ring", &Torus::ring, "m", impl::least_size, impl::greatest_size,
+                "radius of the circle that the tube follows")
+          .real("tube", &Torus::tube, "m", impl::least_size, impl::greatest_size, "radius of the tube");
+  return params;
+}
+
+}  // namespace
+
+const SolidType& solid_torus() {
+  static const SolidType type{"torus",
+                              "A ring that lies flat; bonds on four sides of its outer rim, on top and below",
+                              "document 004, section 2.1",
+                              table(),
+                              [](const Values& sizes) { return impl::made<Torus>(table(), sizes, "torus"); },
+                              [](Vec3d half) {
+                                const double wide = std::min(half.x, half.y),
+                                             tube = std::min(half.z, 0.4 * wide);
+                                return Values{{"ring", wide - tube}, {"tube", tube}};
+                              }};
+  return type;
+}
+
+}  // namespace tafoni::grammar
