@@ -14,10 +14,13 @@ std::uint32_t leaf_index(std::vector<const T*>& leaves, std::unordered_map<const
   return it->second;
 }
 
-/// The polynomial of sigma is monotone; its float evaluation to a few parts in 10^7.
-Interval widened(Interval r, float amplitude) {
-  const float slack = 2e-6f * amplitude;
-  return {r.lo - slack, r.hi + slack};
+/// Sigma over [lo, hi]. Its polynomial is monotone, its float evaluation to a few parts in 10^7; beyond the
+/// influence it is exactly +-T.
+Interval sigma_range(const Sigma& sigma, float lo, float hi) {
+  const float t = sigma.amplitude, slack = 2e-6f * t, sure = sigma.influence * (1 + 1e-5f);
+  if (lo >= sure) return {t, t};
+  if (hi <= -sure) return {-t, -t};
+  return {sigma(lo) - slack, sigma(hi) + slack};
 }
 
 /// Flattens one tree.
@@ -138,13 +141,12 @@ Interval height_range(const HeightLeaf& leaf, float lo, float hi, float scale_lo
                       float z1) {
   const float v0 = lo - z1, v1 = hi - z0;
   const float x0 = v0 < 0 ? v0 * scale_hi : v0 * scale_lo, x1 = v1 < 0 ? v1 * scale_lo : v1 * scale_hi;
-  return widened({leaf.sigma(x0), leaf.sigma(x1)}, leaf.sigma.amplitude);
+  return sigma_range(leaf.sigma, x0, x1);
 }
 
 Interval domain_range(const DomainLeaf& leaf, float lo, float hi, float z0, float z1) {
   const float base = static_cast<float>(leaf.domain.box.lo.z);
-  return widened({leaf.sigma(corner_distance(lo, z0 - base)), leaf.sigma(corner_distance(hi, z1 - base))},
-                 leaf.sigma.amplitude);
+  return sigma_range(leaf.sigma, corner_distance(lo, z0 - base), corner_distance(hi, z1 - base));
 }
 
 }  // namespace tafoni::field::impl
