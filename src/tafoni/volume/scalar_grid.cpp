@@ -351,6 +351,19 @@ void ScalarGrid::write(const SampleBox& box, const float* in) {
   });
 }
 
+void ScalarGrid::fill(const SampleBox& box, float value) {
+  State& state = *state_;
+  round_row(state.precision, {&value, 1});
+  state.for_chunks(box, [&](Vec3i chunk, const SampleBox& part) {
+    Slot& slot = state.slots[state.slot_index(chunk)];
+    if (part == state.samples_of(chunk))
+      slot = {{}, value};
+    else
+      ChunkEditor(slot, state.precision, state.samples_of(chunk))
+          .rows(part, [&](Vec3i, std::span<float> row) { std::fill(row.begin(), row.end(), value); });
+  });
+}
+
 SampleBox ScalarGrid::edit(const SampleBox& box,
                            const std::function<void(Vec3i first, std::span<float> row)>& change) {
   SampleBox changed;

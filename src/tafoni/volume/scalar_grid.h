@@ -65,6 +65,8 @@ class ScalarGrid {
   /// Within the frame, `in` as read() has it, of finite values. Half precision rounds to the nearest half (at
   /// most 65504 either way). Works on several threads where the box is large.
   void write(const SampleBox& box, const float* in);
+  /// Gives every sample of the box, within the frame, the value. Chunks wholly in it then take no memory.
+  void fill(const SampleBox& box, float value);
   /// `change(first, row)` may alter the values of a run of samples along x. A run never crosses a chunk;
   /// chunks are visited in order and by one thread. Gives the box of the samples whose value changed.
   SampleBox edit(const SampleBox& box, const std::function<void(Vec3i first, std::span<float> row)>& change);

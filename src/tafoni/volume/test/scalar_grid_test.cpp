@@ -311,5 +311,28 @@ TEST(ScalarGrid, RefusesWrongFramesAndBoxes) {
   EXPECT_THROW(grid.write({{7, 0, 0}, {8, 0, 0}}, values), Error);
 }
 
+TEST(ScalarGrid, FillGivesMemoryBack) {
+  for (const Precision precision : {Precision::single, Precision::half}) {
+    ScalarGrid grid({{0, 0, 0}, 1, {70, 64, 40}}, 1, precision);
+    grid.edit(grid.samples(), [](Vec3i first, std::span<float> row) {
+      for (std::size_t i = 0; i < row.size(); ++i)
+        row[i] = static_cast<float>(first.x + first.y + first.z + static_cast<int>(i));
+    });
+    const ScalarGrid before = grid;
+    const SampleBox box{{5, 0, 0}, {69, 63, 35}};
+    grid.fill(box, 0.1f);
+    const float expected = precision == Precision::single ? 0.1f : from_half(to_half(0.1f));
+    for (int z = 0; z < 40; ++z)
+      for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 70; ++x)
+          ASSERT_EQ(grid.at({x, y, z}), x >= 5 && z <= 35 ? expected : before.at({x, y, z}));
+    EXPECT_EQ(before.full_chunks(), 12u);
+    EXPECT_EQ(grid.full_chunks(), 8u);  // those with x < 5 or z > 35 in them
+    const Interval range = grid.range(grid.frame().box());
+    EXPECT_LE(range.lo, 0);
+    EXPECT_EQ(range.hi, before.at({69, 63, 39}));
+  }
+}
+
 }  // namespace
 }  // namespace tafoni::volume
