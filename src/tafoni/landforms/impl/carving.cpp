@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
@@ -16,6 +17,7 @@ namespace {
 struct Point {
   Vec3d center;
   double reach, energy;  ///< metres; energy > 0 carves
+  Vec3d from;            ///< the place that it widens, to which a way must be open
 };
 
 /// The cross-section at one place of a passage.
@@ -33,12 +35,13 @@ class Carver {
   Carver(const Ground& ground, const PassageSettings& s, Random random)
       : ground_(ground), s_(s), random_(random), amplitude_(ground.site().amplitude) {}
 
-  std::vector<Point> carve(const Passage& passage) {
+  void carve(const Passage& passage) {
     measure(passage);
     for (const Section& section : sections_) body(section);
     if (s_.roughness > 0) follow_beds();
-    return std::move(points_);
   }
+  std::vector<Point> body_points;
+  std::vector<Point> wall_points;
 
  private:
   void measure(const Passage& passage) {
@@ -76,18 +79,18 @@ class Carver {
     const double low = height(c), reach = 1.7 * low, energy = tube_energy(amplitude_, low, reach, c.step);
     if (c.broad < 0.35) {
       const double round = std::max(c.radius, least());
-      add(c.at, 1.7 * round, tube_energy(amplitude_, round, 1.7 * round, c.step));
+      add(c.at, c.at, 1.7 * round, tube_energy(amplitude_, round, 1.7 * round, c.step));
     } else {
       // Neighbours a radius apart share what one of them would do alone.
       const int n = c.broad > 1.1 ? 4 : c.broad > 0.6 ? 3 : 2;
       for (int i = 0; i < n; ++i) {
         const double u = 2.0 * i / (n - 1) - 1;
-        add(c.at + c.side * (u * c.broad * low), reach, energy * (n == 2 ? 0.75 : 0.68));
+        add(c.at + c.side * (u * c.broad * low), c.at, reach, energy * (n == 2 ? 0.75 : 0.68));
       }
     }
     const double thin = std::max(0.45 * c.radius, least());
     for (double depth = 0.35; depth < c.slot; depth += 0.55)
-      add(c.at - Vec3d{0, 0, low * 0.6 + depth * c.radius}, 1.7 * thin,
+      add(c.at - Vec3d{0, 0, low * 0.6 + depth * c.radius}, c.at, 1.7 * thin,
           0.75 * tube_energy(amplitude_, thin, 1.7 * thin, c.step));
   }
 
@@ -113,13 +116,13 @@ class Carver {
         }
         const double r = sections_[i].radius;
         const double reach = r * (0.45 + 0.25 * std::min(1.0, 2 * contrast)) * random_.uniform(0.85, 1.15);
-        add(probes_[static_cast<std::size_t>(soft - rho_.begin())], reach,
-            s_.roughness * std::min(2.2, 6 * contrast) *
-                tube_energy(amplitude_, 0.55 * reach, reach, std::min(sections_[i].step, 0.5 * reach)));
+        scoop(probes_[static_cast<std::size_t>(soft - rho_.begin())], sections_[i].at, reach,
+              s_.roughness * std::min(2.2, 6 * contrast) *
+                  tube_energy(amplitude_, 0.55 * reach, reach, std::min(sections_[i].step, 0.5 * reach)));
       }
   }
 
-  /// A place on the wall, at one of the tested heights; always within the open section.
+  /// A place on the wall, at one of the tested heights.
   Vec3d wall(const Section& c, double hand, int k) const {
     const double low = height(c);
     const double h = 0.75 * (2.0 * k / (grooves - 1) - 1);
@@ -130,10 +133,15 @@ class Carver {
   void scallop(const Section& c, double hand) {
     if (random_.uniform() > 0.5) return;
     const Vec3d at = wall(c, hand, static_cast<int>(random_.below(grooves)));
-    add(at, c.radius * random_.uniform(0.35, 0.6), 1.5 * s_.roughness * amplitude_);
+    scoop(at, c.at, c.radius * random_.uniform(0.35, 0.6), 1.5 * s_.roughness * amplitude_);
   }
 
-  void add(Vec3d p, double reach, double energy) { points_.push_back({p, reach, energy}); }
+  void add(Vec3d p, Vec3d from, double reach, double energy) {
+    body_points.push_back({p, reach, energy, from});
+  }
+  void scoop(Vec3d p, Vec3d from, double reach, double energy) {
+    wall_points.push_back({p, reach, energy, from});
+  }
 
   const Ground& ground_;
   const PassageSettings& s_;
@@ -142,7 +150,6 @@ class Carver {
   std::vector<Section> sections_;
   std::vector<Vec3d> probes_;
   std::vector<float> rho_;
-  std::vector<Point> points_;
 };
 
 /// The height above the room's centre where the softest rock lies under the hardest: its roof.
@@ -189,7 +196,7 @@ std::vector<Point> carve_room(const Chamber& room, const Ground& ground, Random 
             0.75 + 0.5 * static_cast<double>(fbm((p + ground.site().origin) * (1.2 / room.radius), 2, seed));
         if (std::hypot(x, y) > room.radius * shrunk * bulge) continue;
         if (k == 0 && random.uniform() < 0.35) continue;
-        points.push_back({p, reach, energy});
+        points.push_back({p, reach, energy, p});
       }
   }
   return points;
@@ -197,13 +204,59 @@ std::vector<Point> carve_room(const Chamber& room, const Ground& ground, Random 
 
 /// A bowl around a swallet: one broad shallow point and a few steps down to the shaft.
 std::vector<Point> carve_doline(Vec3d p, double radius, Random random) {
-  std::vector<Point> points = {{p, 4.2 * radius, 0.9 * radius}};
+  std::vector<Point> points = {{p, 4.2 * radius, 0.9 * radius, p}};
   for (int i = 0; i < 5; ++i) {
     const Vec3d at = p + Vec3d{random.uniform(-1.6, 1.6) * radius, random.uniform(-1.6, 1.6) * radius,
                                random.uniform(-0.5, 0) * radius};
-    points.push_back({at, random.uniform(1.4, 2.2) * radius, 0.5 * radius});
+    points.push_back({at, random.uniform(1.4, 2.2) * radius, 0.5 * radius, at});
   }
   return points;
+}
+
+template <class T>
+std::vector<T> joined(const std::vector<std::vector<T>>& parts) {
+  std::vector<T> all;
+  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+/// Removes the points from which no straight way, lower than -`breadth` all along, leads to where they widen
+/// a passage: where passages narrow or end they would leave closed pockets in the rock. `alone`: a point
+/// joins the field by itself; others then only widen its way. Gives whether any went.
+bool drop_pockets(const field::CompiledField& field, double breadth, bool alone, std::vector<Point>& points) {
+  constexpr std::size_t steps = 8;
+  std::vector<Vec3d> ways;
+  for (const Point& p : points)
+    for (std::size_t k = 0; k < steps; ++k)
+      ways.push_back(p.center + (p.from - p.center) * (static_cast<double>(k) / steps));
+  std::vector<float> values(ways.size());
+  parallel_blocks(static_cast<std::int64_t>(ways.size()), 8192, [&](std::int64_t begin, std::int64_t end) {
+    const auto first = static_cast<std::size_t>(begin), count = static_cast<std::size_t>(end - begin);
+    field.values(std::span(ways).subspan(first, count), std::span(values).subspan(first, count));
+  });
+  const auto closed = [&](const Point& p, std::size_t i) {
+    const double r = length(ways[i] - p.center) / p.reach, g = alone && r < 1 ? std::pow(1 - r * r, 3) : 0;
+    return static_cast<double>(values[i]) - p.energy * g > -breadth;
+  };
+  std::vector<Point> kept;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    bool open = true;
+    for (std::size_t k = 0; k < steps && open && points[i].from != points[i].center; ++k)
+      open = !closed(points[i], steps * i + k);
+    // Where the passage itself is narrow it needs all that widens it.
+    const bool narrow = !alone && static_cast<double>(values[steps * i + steps - 1]) > -8 * breadth;
+    if (open || narrow) kept.push_back(points[i]);
+  }
+  const bool any = kept.size() < points.size();
+  points = std::move(kept);
+  return any;
+}
+
+field::NodePtr cloud_of(std::span<const Point> points, const Ground& ground) {
+  field::CloudBuilder cloud{field::CloudSettings{}};
+  for (const Point& p : points)
+    if (ground.usable(p.center)) add_point(cloud, p.center, p.reach, -p.energy);
+  return cloud.size() ? cloud.finish() : nullptr;
 }
 
 }  // namespace
@@ -212,10 +265,14 @@ field::NodePtr carve_passages(const CaveSystem& caves, const Ground& ground,
                               const PassageSettings& settings) {
   const std::size_t passages = caves.passages.size(), rooms = caves.chambers.size();
   std::vector<std::vector<Point>> parts(passages + rooms + caves.swallets.size());
+  std::vector<std::vector<Point>> walls(passages);
   parallel_for(static_cast<std::int64_t>(parts.size()), [&](std::int64_t job) {
     const auto i = static_cast<std::size_t>(job);
     if (i < passages) {
-      parts[i] = Carver(ground, settings, Random(settings.seed, 0x1000 + i)).carve(caves.passages[i]);
+      Carver carver(ground, settings, Random(settings.seed, 0x1000 + i));
+      carver.carve(caves.passages[i]);
+      parts[i] = std::move(carver.body_points);
+      walls[i] = std::move(carver.wall_points);
     } else if (i < passages + rooms) {
       parts[i] = carve_room(caves.chambers[i - passages], ground, Random(settings.seed, 0x40000000 + i),
                             hash_combine(settings.seed, 14));
@@ -224,11 +281,16 @@ field::NodePtr carve_passages(const CaveSystem& caves, const Ground& ground,
                               Random(settings.seed, 0x20000000 + i));
     }
   });
-  field::CloudBuilder cloud{field::CloudSettings{}};
-  for (const auto& part : parts)
-    for (const Point& p : part)
-      if (ground.usable(p.center)) add_point(cloud, p.center, p.reach, -p.energy);
-  return cloud.size() ? cloud.finish() : nullptr;
+  std::vector<Point> body = joined(parts), wall = joined(walls);
+  const auto with = [&](const field::NodePtr& node) {
+    return field::compile(field::combine("blend", {ground.site().terrain, node}));
+  };
+  field::NodePtr open = cloud_of(body, ground);
+  while (open && drop_pockets(with(open), settings.radius, false, body)) open = cloud_of(body, ground);
+  if (!open) return nullptr;
+  drop_pockets(with(open), settings.radius, true, wall);
+  const field::NodePtr scooped = cloud_of(wall, ground);
+  return scooped ? field::combine("blend", {open, scooped}) : open;
 }
 
 }  // namespace tafoni::landforms::impl

@@ -146,15 +146,14 @@ TEST(Karst, NetworksAreOpenFromEndToEnd) {
   }
 }
 
-TEST(Karst, LeavesNoClosedVoidThatCountsForACave) {
-  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+TEST(Karst, LeavesNoClosedVoids) {
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
     Coast coast(beds);
     coast.site.seed = seed;
     const auto field = test::carved(coast.site, karst(coast.site, {{"radius", 2.0}, {"passage", 150.0}}));
     for (const test::Piece& piece : test::pieces(field, {{-60, -45, -15}, {60, 45, 45}}, 0.5, false))
-      // Pockets of its walls may stay closed, which meshes leave out: 64 cells, 8 m3, are less than a metre
-      // of passage.
-      EXPECT_TRUE(piece.at_rim || piece.cells <= 64)
+      // A neck between lattice points may part one or two of them from the rest.
+      EXPECT_TRUE(piece.at_rim || piece.cells <= 2)
           << piece.cells << " cells at " << piece.first.x << " " << piece.first.y << " " << piece.first.z;
   }
 }
