@@ -12,6 +12,7 @@
 namespace tafoni::volume {
 namespace {
 
+using impl::ChunkPtr;
 using impl::GridChunk;
 using impl::side;
 using impl::Slot;
@@ -373,6 +374,28 @@ SampleBox ScalarGrid::edit(const SampleBox& box,
     expand(changed, editor.rows(part, change));
   });
   return changed;
+}
+
+void ScalarGrid::generate(const std::function<std::optional<float>(const SampleBox&, float*)>& make,
+                          Progress& progress) {
+  State& state = *state_;
+  const Vec3i n = state.chunks;
+  parallel_for(
+      static_cast<std::int64_t>(state.slots.size()),
+      [&](std::int64_t i) {
+        const SampleBox box = state.samples_of(
+            {static_cast<int>(i % n.x), static_cast<int>(i / n.x % n.y), static_cast<int>(i / n.x / n.y)});
+        Slot& slot = state.slots[static_cast<std::size_t>(i)];
+        std::unique_ptr<float[]> samples(new float[impl::chunk_size]);
+        if (const auto same = make(box, samples.get())) {
+          float row[1] = {*same};
+          round_row(state.precision, row);
+          slot = {{}, row[0]};
+          return;
+        }
+        slot = {ChunkPtr(impl::made_of(std::move(samples), state.precision, box.size()).release()), 0};
+      },
+      progress);
 }
 
 void ScalarGrid::compact() {

@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "tafoni/core/progress.h"
 #include "tafoni/field/function.h"
 #include "tafoni/math/vec.h"
 
@@ -70,6 +72,11 @@ class ScalarGrid {
   /// `change(first, row)` may alter the values of a run of samples along x. A run never crosses a chunk;
   /// chunks are visited in order and by one thread. Gives the box of the samples whose value changed.
   SampleBox edit(const SampleBox& box, const std::function<void(Vec3i first, std::span<float> row)>& change);
+  /// Makes every chunk anew, on several threads: make(samples, out) gives the value that all of the chunk's
+  /// `samples` have, or none after it wrote them, finite, to out[(z * 32 + y) * 32 + x], counted from
+  /// samples.lo.
+  void generate(const std::function<std::optional<float>(const SampleBox& samples, float* out)>& make,
+                Progress& progress = silent());
   /// Chunks whose samples became all alike give their memory back.
   void compact();
 

@@ -58,6 +58,31 @@ GridChunk& own(Slot& slot, Precision precision) {
   return slot.chunk.mine();
 }
 
+std::unique_ptr<GridChunk> made_of(std::unique_ptr<float[]> samples, Precision precision, Vec3i extent) {
+  // Beyond the frame, a value that is finite.
+  if (extent.x < side || extent.y < side || extent.z < side)
+    for (int z = 0; z < side; ++z)
+      for (int y = 0; y < side; ++y) {
+        const int used = z < extent.z && y < extent.y ? extent.x : 0;
+        std::fill_n(samples.get() + GridChunk::index(used, y, z), side - used, 0.0f);
+      }
+  auto made = std::make_unique<GridChunk>();
+  if (precision == Precision::single) {
+    made->single = std::move(samples);
+  } else {
+    made->half.reset(new std::uint16_t[chunk_size]);
+    for (int i = 0; i < chunk_size; ++i) made->half[i] = to_half(samples[i]);
+  }
+  std::uint64_t used = 0;
+  for (int b = 0; b < blocks; ++b)
+    if (block_side * (b % blocks_side) < extent.x &&
+        block_side * (b / blocks_side % blocks_side) < extent.y &&
+        block_side * (b / (blocks_side * blocks_side)) < extent.z)
+      used |= std::uint64_t{1} << b;
+  update_ranges(*made, used, extent);
+  return made;
+}
+
 void update_ranges(GridChunk& chunk, std::uint64_t touched, Vec3i extent) {
   for (std::uint64_t left = touched; left; left &= left - 1) {
     const int b = std::countr_zero(left);

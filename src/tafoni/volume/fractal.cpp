@@ -1,0 +1,140 @@
+#include "tafoni/volume/fractal.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+#include "tafoni/core/random.h"
+#include "tafoni/volume/impl/subdivision.h"
+
+namespace tafoni::volume {
+namespace {
+
+constexpr int side = ScalarGrid::chunk_samples;
+
+void check(const FractalSettings& s) {
+  if (s.cells.x < 1 || s.cells.y < 1 || s.cells.z < 1)
+    fail(ErrorKind::usage, "a fractal's coarse lattice must have at least one cell a side, not {} x {} x {}",
+         s.cells.x, s.cells.y, s.cells.z);
+  if (s.levels < 1 || s.levels > 20)
+    fail(ErrorKind::usage, "a fractal must be subdivided 1 to 20 times, not {}", s.levels);
+  const double samples = (std::ldexp(s.cells.x, s.levels) + 1) * (std::ldexp(s.cells.y, s.levels) + 1) *
+                         (std::ldexp(s.cells.z, s.levels) + 1);
+  if (!(samples <= 0x1p40))
+    fail(ErrorKind::usage, "a fractal of {:g} samples is too large; take fewer levels", samples);
+  const auto wanted = static_cast<std::size_t>(s.cells.x + 1) * static_cast<std::size_t>(s.cells.y + 1) *
+                      static_cast<std::size_t>(s.cells.z + 1);
+  if (s.coarse.size() != wanted)
+    fail(ErrorKind::usage, "a coarse lattice of {} x {} x {} cells needs {} values, not {}", s.cells.x, s.cells.y,
+         s.cells.z, wanted, s.coarse.size());
+  if (!std::all_of(s.coarse.begin(), s.coarse.end(), [](float v) { return std::isfinite(v); }) ||
+      !std::all_of(s.noise.begin(), s.noise.end(), [](double v) { return std::isfinite(v) && v >= 0; }))
+    fail(ErrorKind::usage, "a fractal's values must be finite, and its noise 0 or more");
+  if (!(s.spacing > 0) || !std::isfinite(s.spacing) || !(s.limit > 0))
+    fail(ErrorKind::usage, "a fractal's spacing and limit must be positive lengths in metres");
+  for (const Pin& pin : s.pins)
+    if (pin.level < 0 || pin.level >= s.levels || !std::isfinite(pin.value) || !(pin.radius >= 0))
+      fail(ErrorKind::usage, "a pin's level must be from 0 to {}, its value finite and its radius 0 or more",
+           s.levels - 1);
+}
+
+float noise_of(const FractalSettings& s, int level) {
+  const auto i = static_cast<std::size_t>(level);
+  return i < s.noise.size() ? static_cast<float>(s.noise[i]) : 0.0f;
+}
+
+std::uint64_t key_of(const FractalSettings& s, int level) {
+  return hash_combine(s.seed, static_cast<std::uint64_t>(level));
+}
+
+impl::Subdivision last_step(const FractalSettings& s, const std::vector<float>& values, Vec3i size) {
+  return {{values.data(), size},
+          key_of(s, s.levels - 1),
+          noise_of(s, s.levels - 1),
+          static_cast<float>(std::min(s.limit, 1e30))};
+}
+
+/// The boxes of at most 32 x 32 rows that tile a box, whole rows each.
+std::vector<SampleBox> bars(const SampleBox& box) {
+  std::vector<SampleBox> out;
+  for (int z = box.lo.z; z <= box.hi.z; z += side)
+    for (int y = box.lo.y; y <= box.hi.y; y += side)
+      out.push_back({{box.lo.x, y, z},
+                     {box.hi.x, std::min(y + side - 1, box.hi.y), std::min(z + side - 1, box.hi.z)}});
+  return out;
+}
+
+}  // namespace
+
+Fractal::Fractal(FractalSettings settings, Progress& progress) : settings_(std::move(settings)) {
+  check(settings_);
+  const FractalSettings& s = settings_;
+  last_ = {{s.cells.x + 1, s.cells.y + 1, s.cells.z + 1}, s.coarse};
+  pin(0, last_);
+  for (int level = 0; level + 1 < s.levels; ++level) {
+    Level fine;
+    fine.size = {2 * last_.size.x - 1, 2 * last_.size.y - 1, 2 * last_.size.z - 1};
+    const auto row = static_cast<std::size_t>(fine.size.x), plane = row * static_cast<std::size_t>(fine.size.y);
+    fine.values.resize(plane * static_cast<std::size_t>(fine.size.z));
+    const impl::Subdivision step{{last_.values.data(), last_.size}, key_of(s, level), noise_of(s, level), 1e30f};
+    const auto parts = bars({{0, 0, 0}, {fine.size.x - 1, fine.size.y - 1, fine.size.z - 1}});
+    parallel_blocks(static_cast<std::int64_t>(parts.size()), 1, [&](std::int64_t begin, std::int64_t) {
+      progress.check();
+      const SampleBox& box = parts[static_cast<std::size_t>(begin)];
+      impl::subdivide(step, box,
+                      fine.values.data() + static_cast<std::size_t>(box.lo.z) * plane +
+                          static_cast<std::size_t>(box.lo.y) * row,
+                      row, plane);
+    });
+    last_ = std::move(fine);
+    pin(level + 1, last_);
+  }
+}
+
+void Fractal::pin(int level, Level& lattice) const {
+  const double spacing = std::ldexp(settings_.spacing, settings_.levels - level);
+  const auto clamped = [](double v, int size) {
+    return static_cast<int>(std::clamp(std::round(v), 0.0, static_cast<double>(size - 1)));
+  };
+  for (const Pin& p : settings_.pins) {
+    if (p.level != level) continue;
+    const Vec3d at = (p.position - settings_.origin) * (1 / spacing);
+    const Vec3i n = lattice.size;
+    const Vec3i own{clamped(at.x, n.x), clamped(at.y, n.y), clamped(at.z, n.z)};
+    const double r = p.radius / spacing;
+    for (int z = clamped(own.z - r, n.z); z <= clamped(own.z + r, n.z); ++z)
+      for (int y = clamped(own.y - r, n.y); y <= clamped(own.y + r, n.y); ++y)
+        for (int x = clamped(own.x - r, n.x); x <= clamped(own.x + r, n.x); ++x) {
+          const double dx = x - own.x, dy = y - own.y, dz = z - own.z;
+          const double far = r > 0 ? (dx * dx + dy * dy + dz * dz) / (r * r) : 0;
+          if (far >= 1 && far > 0) continue;
+          const double draw = (1 - far) * (1 - far);
+          float& v = lattice.values[(static_cast<std::size_t>(z) * static_cast<std::size_t>(n.y) +
+                                     static_cast<std::size_t>(y)) *
+                                        static_cast<std::size_t>(n.x) +
+                                    static_cast<std::size_t>(x)];
+          const double was = static_cast<double>(v);
+          v = far > 0 ? static_cast<float>(was + draw * (p.value - was)) : static_cast<float>(p.value);
+        }
+  }
+}
+
+void Fractal::read(const SampleBox& box, float* out) const {
+  const auto row = static_cast<std::size_t>(box.size().x);
+  impl::subdivide(last_step(settings_, last_.values, last_.size), box, out, row,
+                  row * static_cast<std::size_t>(box.size().y));
+}
+
+Interval Fractal::range(const SampleBox& box) const {
+  return impl::subdivided_range(last_step(settings_, last_.values, last_.size), box);
+}
+
+std::vector<double> decaying_noise(double scale, double decay, int levels, int smooth) {
+  std::vector<double> out(static_cast<std::size_t>(std::max(levels, 0)), 0.0);
+  for (int level = 0; level < levels - smooth; ++level)
+    out[static_cast<std::size_t>(level)] = scale * std::pow(decay, level);
+  return out;
+}
+
+}  // namespace tafoni::volume
