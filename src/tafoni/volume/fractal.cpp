@@ -26,8 +26,8 @@ void check(const FractalSettings& s) {
   const auto wanted = static_cast<std::size_t>(s.cells.x + 1) * static_cast<std::size_t>(s.cells.y + 1) *
                       static_cast<std::size_t>(s.cells.z + 1);
   if (s.coarse.size() != wanted)
-    fail(ErrorKind::usage, "a coarse lattice of {} x {} x {} cells needs {} values, not {}", s.cells.x, s.cells.y,
-         s.cells.z, wanted, s.coarse.size());
+    fail(ErrorKind::usage, "a coarse lattice of {} x {} x {} cells needs {} values, not {}", s.cells.x,
+         s.cells.y, s.cells.z, wanted, s.coarse.size());
   if (!std::all_of(s.coarse.begin(), s.coarse.end(), [](float v) { return std::isfinite(v); }) ||
       !std::all_of(s.noise.begin(), s.noise.end(), [](double v) { return std::isfinite(v) && v >= 0; }))
     fail(ErrorKind::usage, "a fractal's values must be finite, and its noise 0 or more");
@@ -60,9 +60,22 @@ std::vector<SampleBox> bars(const SampleBox& box) {
   std::vector<SampleBox> out;
   for (int z = box.lo.z; z <= box.hi.z; z += side)
     for (int y = box.lo.y; y <= box.hi.y; y += side)
-      out.push_back({{box.lo.x, y, z},
-                     {box.hi.x, std::min(y + side - 1, box.hi.y), std::min(z + side - 1, box.hi.z)}});
+      out.push_back(
+          {{box.lo.x, y, z}, {box.hi.x, std::min(y + side - 1, box.hi.y), std::min(z + side - 1, box.hi.z)}});
   return out;
+}
+
+/// The limit that all samples of a chunk are at.
+std::optional<float> at_limit(const SampleBox& part, const float* samples, float limit) {
+  const float first = samples[0];
+  if (std::abs(first) != limit) return {};
+  const Vec3i n = part.size();
+  for (int z = 0; z < n.z; ++z)
+    for (int y = 0; y < n.y; ++y) {
+      const float* row = samples + (z * side + y) * side;
+      if (!std::all_of(row, row + n.x, [&](float v) { return v == first; })) return {};
+    }
+  return first;
 }
 
 }  // namespace
@@ -75,9 +88,11 @@ Fractal::Fractal(FractalSettings settings, Progress& progress) : settings_(std::
   for (int level = 0; level + 1 < s.levels; ++level) {
     Level fine;
     fine.size = {2 * last_.size.x - 1, 2 * last_.size.y - 1, 2 * last_.size.z - 1};
-    const auto row = static_cast<std::size_t>(fine.size.x), plane = row * static_cast<std::size_t>(fine.size.y);
+    const auto row = static_cast<std::size_t>(fine.size.x),
+               plane = row * static_cast<std::size_t>(fine.size.y);
     fine.values.resize(plane * static_cast<std::size_t>(fine.size.z));
-    const impl::Subdivision step{{last_.values.data(), last_.size}, key_of(s, level), noise_of(s, level), 1e30f};
+    const impl::Subdivision step{
+        {last_.values.data(), last_.size}, key_of(s, level), noise_of(s, level), 1e30f};
     const auto parts = bars({{0, 0, 0}, {fine.size.x - 1, fine.size.y - 1, fine.size.z - 1}});
     parallel_blocks(static_cast<std::int64_t>(parts.size()), 1, [&](std::int64_t begin, std::int64_t) {
       progress.check();
@@ -128,6 +143,39 @@ void Fractal::read(const SampleBox& box, float* out) const {
 
 Interval Fractal::range(const SampleBox& box) const {
   return impl::subdivided_range(last_step(settings_, last_.values, last_.size), box);
+}
+
+ScalarGrid Fractal::grid(const SampleBox& box, Precision precision, Progress& progress) const {
+  const FractalSettings& s = settings_;
+  const Vec3i lo = box.lo;
+  GridFrame frame{s.origin + Vec3d{s.spacing * lo.x, s.spacing * lo.y, s.spacing * lo.z}, s.spacing,
+                  box.size()};
+  ScalarGrid made(frame, 0, precision);
+  const impl::Subdivision step = last_step(s, last_.values, last_.size);
+  const Vec3i chunks = made.chunks();
+  progress.begin("subdividing",
+                 static_cast<std::uint64_t>(chunks.x) * static_cast<std::uint64_t>(chunks.y) *
+                     static_cast<std::uint64_t>(chunks.z),
+                 "chunks");
+  made.generate(
+      [&](const SampleBox& part, float* out) -> std::optional<float> {
+        const SampleBox own{part.lo + lo, part.hi + lo};
+        if (s.limit < 1e30) {
+          const Interval range = impl::subdivided_range(step, own);
+          if (range.lo >= step.limit) return step.limit;
+          if (range.hi <= -step.limit) return -step.limit;
+        }
+        impl::subdivide(step, own, out, side, side * side);
+        return at_limit(part, out, step.limit);
+      },
+      progress);
+  progress.end();
+  return made;
+}
+
+ScalarGrid Fractal::grid(Precision precision, Progress& progress) const {
+  const Vec3i n = settings_.size();
+  return grid({{0, 0, 0}, {n.x - 1, n.y - 1, n.z - 1}}, precision, progress);
 }
 
 std::vector<double> decaying_noise(double scale, double decay, int levels, int smooth) {

@@ -19,14 +19,15 @@ struct Pin {
 };
 
 struct FractalSettings {
-  Vec3d origin;           ///< local position of sample (0, 0, 0)
-  double spacing = 1;     ///< metres between samples after the last subdivision
-  Vec3i cells{2, 2, 1};   ///< of the coarse lattice, at least one a side
+  Vec3d origin;          ///< local position of sample (0, 0, 0)
+  double spacing = 1;    ///< metres between samples after the last subdivision
+  Vec3i cells{2, 2, 1};  ///< of the coarse lattice, at least one a side
   /// (cells.x + 1) (cells.y + 1) (cells.z + 1) values, x fastest: the first levels, as coarse or as fine as
   /// they are to be given.
   std::vector<float> coarse;
-  int levels = 6;             ///< subdivisions
-  std::vector<double> noise;  ///< most that a new sample is off the smooth one, by level; none for the last: 0
+  int levels = 6;  ///< subdivisions
+  std::vector<double>
+      noise;  ///< most that a new sample is off the smooth one, by level; none for the last: 0
   std::vector<Pin> pins;
   /// Values are limited to +-limit at last, so that what is far from the surface takes no memory.
   double limit = 1e30;
@@ -36,17 +37,17 @@ struct FractalSettings {
   Vec3i size() const { return {(cells.x << levels) + 1, (cells.y << levels) + 1, (cells.z << levels) + 1}; }
 };
 
-/// Each subdivision keeps every sample and puts a new one in the middle of every edge, face and cell. Its value
-/// is the four-point interpolation of Dubuc (1986), -1 9 9 -1 over 16, along each axis in which it is new, plus
-/// noise that is uniform in +-amplitude. Document 001 takes the average of the nearest (1 1 over 2), which
-/// leaves creases along the planes of every lattice, plainest where the last levels are smooth; four points
-/// give a C1 surface without them, keep planes exactly, and cost about as much. Beyond the border values go on
-/// straight. Noise is a function of (seed, level, sample), so any part of the lattice, on any number of
-/// threads, has the same bits.
+/// Each subdivision keeps every sample and puts a new one in the middle of every edge, face and cell. Its
+/// value is the four-point interpolation of Dubuc (1986), -1 9 9 -1 over 16, along each axis in which it is
+/// new, plus noise that is uniform in +-amplitude. Document 001 takes the average of the nearest (1 1 over
+/// 2), which leaves creases along the planes of every lattice, plainest where the last levels are smooth;
+/// four points give a C1 surface without them, keep planes exactly, and cost about as much. Beyond the border
+/// values go on straight. Noise is a function of (seed, level, sample), so any part of the lattice, on any
+/// number of threads, has the same bits.
 class Fractal {
  public:
-  /// Makes all levels but the last: an eighth of the work, and half a byte a sample. Throws Error{usage} for a
-  /// wrong number of values, for what is not finite, and for more than 2^40 samples.
+  /// Makes all levels but the last: an eighth of the work, and half a byte a sample. Throws Error{usage} for
+  /// a wrong number of values, for what is not finite, and for more than 2^40 samples.
   explicit Fractal(FractalSettings settings, Progress& progress = silent());
 
   const FractalSettings& settings() const { return settings_; }

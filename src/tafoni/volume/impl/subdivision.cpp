@@ -4,10 +4,10 @@
 #define HWY_TARGET_INCLUDE "tafoni/volume/impl/subdivision.cpp"
 #include <hwy/foreach_target.h>
 // foreach_target must come before what it compiles again.
-#include <hwy/highway.h>
-
 #include <algorithm>
 #include <vector>
+
+#include <hwy/highway.h>
 
 #include "tafoni/core/random.h"
 #include "tafoni/math/simd.h"
@@ -115,8 +115,8 @@ namespace {
 HWY_EXPORT(middle_rows);
 HWY_EXPORT(fine_row_any);
 
-/// Vectors may read and write as much beyond the end of a row.
-constexpr std::size_t slack = 2 * HWY_MAX_BYTES / sizeof(float);
+/// Vectors may read and write as much beyond the end of a row: two of the widest.
+constexpr std::size_t slack = 64;
 
 /// The coarse samples that a box of fine ones reads, continued straight beyond the border of the lattice.
 class Patch {
@@ -124,30 +124,31 @@ class Patch {
   Patch(const Lattice& coarse, const SampleBox& box, std::vector<float>& memory) : memory_(memory) {
     lo_ = {first(box.lo.x), first(box.lo.y), first(box.lo.z)};
     size_ = {last(box.hi.x) - lo_.x + 1, last(box.hi.y) - lo_.y + 1, last(box.hi.z) - lo_.z + 1};
-    row_ = static_cast<std::size_t>(size_.x) + slack;
+    row_ = static_cast<std::size_t>(size_.x);
     memory_.resize(row_ * static_cast<std::size_t>(size_.y * size_.z) + slack);
     const Range ix = inside(lo_.x, size_.x, coarse.size.x), iy = inside(lo_.y, size_.y, coarse.size.y),
                 iz = inside(lo_.z, size_.z, coarse.size.z);
     for (int z = iz.from; z < iz.to; ++z) {
       for (int y = iy.from; y < iy.to; ++y) {
-        const std::size_t at = (static_cast<std::size_t>(lo_.z + z) * static_cast<std::size_t>(coarse.size.y) +
-                                static_cast<std::size_t>(lo_.y + y)) *
-                               static_cast<std::size_t>(coarse.size.x);
+        const std::size_t at =
+            (static_cast<std::size_t>(lo_.z + z) * static_cast<std::size_t>(coarse.size.y) +
+             static_cast<std::size_t>(lo_.y + y)) *
+            static_cast<std::size_t>(coarse.size.x);
         float* out = row(y, z);
         std::copy_n(coarse.values + at + static_cast<std::size_t>(lo_.x + ix.from), ix.to - ix.from,
                     out + ix.from);
         extend(ix, size_.x, [&](int to, int near, int far) { out[to] = 2 * out[near] - out[far]; });
       }
-      extend(iy, size_.y, [&](int to, int near, int far) { go_on(row(to, z), row(near, z), row(far, z), row_); });
+      extend(iy, size_.y,
+             [&](int to, int near, int far) { go_on(row(to, z), row(near, z), row(far, z), row_); });
     }
     const std::size_t plane = row_ * static_cast<std::size_t>(size_.y);
-    extend(iz, size_.z, [&](int to, int near, int far) { go_on(row(0, to), row(0, near), row(0, far), plane); });
+    extend(iz, size_.z,
+           [&](int to, int near, int far) { go_on(row(0, to), row(0, near), row(0, far), plane); });
   }
 
   /// Counted from the first sample of the patch.
-  float* row(int y, int z) const {
-    return memory_.data() + row_ * static_cast<std::size_t>(z * size_.y + y);
-  }
+  float* row(int y, int z) const { return memory_.data() + row_ * static_cast<std::size_t>(z * size_.y + y); }
   Vec3i lo() const { return lo_; }
   Vec3i size() const { return size_; }
   std::size_t row_floats() const { return row_; }
@@ -187,7 +188,8 @@ Scratch& scratch() {
 
 }  // namespace
 
-void subdivide(const Subdivision& step, const SampleBox& box, float* out, std::size_t row, std::size_t plane) {
+void subdivide(const Subdivision& step, const SampleBox& box, float* out, std::size_t row,
+               std::size_t plane) {
   limit_simd();
   const auto middle = HWY_DYNAMIC_DISPATCH(middle_rows);
   const auto fine = HWY_DYNAMIC_DISPATCH(fine_row_any);
@@ -196,32 +198,36 @@ void subdivide(const Subdivision& step, const SampleBox& box, float* out, std::s
   SampleBox even = box;
   even.lo.x &= ~1;
   const Patch patch(step.coarse, even, memory.patch);
-  const std::size_t width = patch.row_floats(), used = static_cast<std::size_t>(patch.size().x);
+  const std::size_t width = patch.row_floats();
   const Vec3i size = box.size();
   const std::size_t skip = static_cast<std::size_t>(box.lo.x - even.lo.x);
   memory.plane.resize(width * static_cast<std::size_t>(patch.size().y) + slack);
-  memory.row.resize(width + static_cast<std::size_t>(size.x) + 1 + slack);
+  memory.row.resize(width + static_cast<std::size_t>(size.x) + 1 + 2 * slack);
   float* between = memory.row.data();
-  float* shifted = between + width;
-  FineRow fine_row{static_cast<std::uint32_t>(even.lo.x), static_cast<std::size_t>(size.x) + skip, {}, step.noise,
-                   step.limit, false};
+  float* shifted = between + width + slack;
+  FineRow fine_row{static_cast<std::uint32_t>(even.lo.x),
+                   static_cast<std::size_t>(size.x) + skip,
+                   {},
+                   step.noise,
+                   step.limit,
+                   false};
   for (int k = 0; k < size.z; ++k) {
     const int z = box.lo.z + k, cz = z / 2 - patch.lo().z;
     const float* rows = patch.row(0, cz);
     if (z & 1) {
       middle(patch.row(0, cz - 1), rows, patch.row(0, cz + 1), patch.row(0, cz + 2),
-             width * static_cast<std::size_t>(patch.size().y - 1) + used, memory.plane.data());
+             width * static_cast<std::size_t>(patch.size().y), memory.plane.data());
       rows = memory.plane.data();
     }
     for (int j = 0; j < size.y; ++j) {
       const int y = box.lo.y + j;
       const float* from = rows + width * static_cast<std::size_t>(y / 2 - patch.lo().y);
       if (y & 1) {
-        middle(from - width, from, from + width, from + 2 * width, used, between);
+        middle(from - width, from, from + width, from + 2 * width, width, between);
         from = between;
       }
-      const std::uint64_t key = mix64(step.key ^ mix64((static_cast<std::uint64_t>(z) << 32) |
-                                                       static_cast<std::uint64_t>(y)));
+      const std::uint64_t key =
+          mix64(step.key ^ mix64((static_cast<std::uint64_t>(z) << 32) | static_cast<std::uint64_t>(y)));
       fine_row.key[0] = static_cast<std::uint32_t>(key);
       fine_row.key[1] = static_cast<std::uint32_t>(key >> 32);
       fine_row.all_new = ((y | z) & 1) != 0;
