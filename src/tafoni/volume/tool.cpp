@@ -82,6 +82,43 @@ Tool Tool::hull(std::span<const Vec3d> points) {
   return Tool(std::make_shared<Shape>(Shape{impl::convex_hull(points)}));
 }
 
+Tool Tool::from(const ToolData& data) {
+  constexpr std::size_t points[] = {1, 2, 1}, sizes[] = {1, 1, 5, 0};
+  const auto kind = static_cast<std::size_t>(data.kind);
+  const auto& p = data.points;
+  const auto& s = data.sizes;
+  const bool hull = data.kind == ToolData::Kind::hull;
+  if (kind >= std::size(sizes) || s.size() != sizes[kind] || (!hull && p.size() != points[kind]))
+    fail(ErrorKind::usage, "{} points and {} sizes make no tool of kind {}", p.size(), s.size(), kind);
+  if (hull) return Tool::hull(p);
+  if (data.kind == ToolData::Kind::sphere) return sphere(p[0], s[0]);
+  if (data.kind == ToolData::Kind::capsule) return capsule(p[0], p[1], s[0]);
+  check(std::abs(s[3] * s[3] + s[4] * s[4] - 1) < 1e-9, "the turn of a box");
+  (void)Tool::box(p[0], {s[0], s[1], s[2]});  // checks them
+  return Tool(std::make_shared<Shape>(Shape{impl::TurnedBox{p[0], {s[0], s[1], s[2]}, s[3], s[4]}}));
+}
+
+namespace {
+
+ToolData data_of(const impl::Sphere& s) {
+  return {ToolData::Kind::sphere, {s.center}, {s.radius}};
+}
+ToolData data_of(const impl::Capsule& c) {
+  return {ToolData::Kind::capsule, {c.from, c.to}, {c.radius}};
+}
+ToolData data_of(const impl::TurnedBox& b) {
+  return {ToolData::Kind::box, {b.center}, {b.half.x, b.half.y, b.half.z, b.cosine, b.sine}};
+}
+ToolData data_of(const impl::Hull& h) {
+  return {ToolData::Kind::hull, h.corners, {}};
+}
+
+}  // namespace
+
+ToolData Tool::data() const {
+  return std::visit([](const auto& solid) { return data_of(solid); }, shape_->solid);
+}
+
 Box3d Tool::bounds() const {
   return std::visit([](const auto& solid) { return solid.bounds(); }, shape_->solid);
 }

@@ -1,15 +1,26 @@
 #pragma once
 // Tools: convex shapes that remove or add material (documents 000 and 002).
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "tafoni/math/vec.h"
 
 namespace tafoni::volume {
+
+/// A tool as plain numbers, for files and messages.
+struct ToolData {
+  enum class Kind : std::uint8_t { sphere, capsule, box, hull };
+  Kind kind = Kind::sphere;
+  std::vector<Vec3d> points;  ///< what moves with it: the centre; both ends; the centre; corners
+  std::vector<double> sizes;  ///< radius; radius; half x, y, z, cosine and sine of the turn; none
+  friend bool operator==(const ToolData&, const ToolData&) = default;
+};
 
 /// An immutable convex solid. Local metres. Cheap to copy.
 class Tool {
@@ -22,6 +33,10 @@ class Tool {
   static Tool box(Vec3d center, Vec3d half, double turn = 0);
   /// The convex hull of at least four points that do not lie in a plane.
   static Tool hull(std::span<const Vec3d> points);
+  /// What data() gave: the same solid, bit for bit, but for a hull, which is made from its corners anew.
+  /// Throws Error{usage} for what no tool gives.
+  static Tool from(const ToolData& data);
+  ToolData data() const;
 
   Box3d bounds() const;
   /// Metres to the border, positive inside, negative outside. Exact for sphere, capsule and box. Of a hull

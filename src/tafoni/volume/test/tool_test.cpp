@@ -182,5 +182,34 @@ TEST(Tool, RefusesWhatHasNoInside) {
   EXPECT_THROW(Tool::hull(bad), Error);
 }
 
+TEST(Tool, DataMakesTheSameToolAgain) {
+  for (int kind = 0; kind < kinds; ++kind) {
+    Random r(9, static_cast<std::uint64_t>(kind));
+    for (int n = 0; n < 50; ++n) {
+      const Tool tool = random_tool(r, kind), again = Tool::from(tool.data());
+      EXPECT_EQ(again.data(), tool.data());
+      for (int i = 0; i < 50; ++i) {
+        const Vec3d p = within(r, tool.bounds().grown(1));
+        if (kind == kinds - 1)
+          EXPECT_NEAR(again.distance(p), tool.distance(p), 1e-9);
+        else
+          EXPECT_EQ(again.distance(p), tool.distance(p)) << kind;
+      }
+    }
+  }
+}
+
+TEST(Tool, DataOfNoToolIsRefused) {
+  const auto refused = [](ToolData data) { EXPECT_THROW(Tool::from(data), Error); };
+  refused({});
+  refused({ToolData::Kind::sphere, {{0, 0, 0}}, {}});
+  refused({ToolData::Kind::sphere, {{0, 0, 0}}, {-1}});
+  refused({ToolData::Kind::capsule, {{0, 0, 0}}, {1}});
+  refused({ToolData::Kind::box, {{0, 0, 0}}, {1, 1, 1, 0.5, 0.5}});
+  refused({ToolData::Kind::box, {{0, 0, 0}}, {1, -1, 1, 1, 0}});
+  refused({ToolData::Kind::hull, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {}});
+  refused({static_cast<ToolData::Kind>(4), {{0, 0, 0}}, {1}});
+}
+
 }  // namespace
 }  // namespace tafoni::volume
