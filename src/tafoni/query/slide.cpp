@@ -1,0 +1,93 @@
+#include <array>
+#include <cmath>
+
+#include "tafoni/core/error.h"
+#include "tafoni/query/collider.h"
+
+namespace tafoni::query {
+namespace {
+
+constexpr int most_planes = 8;
+
+/// What is left of a motion that must not enter any of the planes.
+Vec3d along_planes(Vec3d motion, const std::array<Vec3d, most_planes>& normals, int count) {
+  const auto allowed = [&](Vec3d m) {
+    const double least = -1e-9 * length(m);
+    for (int i = 0; i < count; ++i)
+      if (dot(m, normals[static_cast<std::size_t>(i)]) < least) return false;
+    return true;
+  };
+  if (allowed(motion)) return motion;
+  const auto normal = [&](int i) { return normals[static_cast<std::size_t>(i)]; };
+  Vec3d best;
+  double longest = 0;
+  const auto consider = [&](Vec3d m) {
+    const double size = dot(m, motion);
+    if (size > longest && allowed(m)) best = m, longest = size;
+  };
+  for (int i = 0; i < count; ++i) {
+    Vec3d m = motion - normal(i) * dot(motion, normal(i));
+    m -= normal(i) * dot(m, normal(i));  // once more: the first leaves rounding of the whole motion's size
+    consider(m);
+  }
+  if (longest > 0) return best;
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j < i; ++j) {
+      const Vec3d crease = normalized(cross(normal(i), normal(j)));
+      consider(crease * dot(motion, crease));
+    }
+  return best;
+}
+
+}  // namespace
+
+/// Moves `at` until the shape overlaps nothing; false when some steps do not get there.
+bool Collider::free(const Capsule& shape, Vec3d& at, double skin) const {
+  constexpr int steps = 16;
+  for (int i = 0; i < steps; ++i) {
+    const auto overlap = contact(shape.moved(at));
+    if (!overlap) return true;
+    if (!std::isfinite(overlap->depth)) return false;
+    at += overlap->normal * (overlap->depth + skin);
+  }
+  return !overlaps(shape.moved(at));
+}
+
+Slide Collider::slide(const Capsule& shape, Vec3d motion, const SlideSettings& settings) const {
+  if (settings.iterations < 1 || !(settings.skin >= 0))
+    fail(ErrorKind::usage, "a slide needs at least one iteration and a skin of 0 m or more");
+  Slide result;
+  std::array<Vec3d, most_planes> normals;
+  int planes = 0;
+  Vec3d left = motion;
+  for (int i = 0; i < settings.iterations; ++i) {
+    auto hit = sweep(shape.moved(result.moved), left);
+    if (hit && hit->depth > 0) {
+      const Vec3d before = result.moved;
+      if (!free(shape, result.moved, settings.skin)) {
+        result.moved = before;
+        result.stuck = true;
+        return result;
+      }
+      hit = sweep(shape.moved(result.moved), left);
+    }
+    if (!hit) {
+      result.moved += left;
+      return result;
+    }
+    result.hits.push_back(*hit);
+    const double size = length(left);
+    const double toward = -dot(left, hit->normal) / size;
+    // A gap of `skin` along the normal is wider along the motion.
+    const double travel = toward > 0 ? std::max(0.0, hit->time * size - settings.skin / toward) : 0.0;
+    result.moved += left * (travel / size);
+    left = left * (1 - travel / size);
+    if (planes == most_planes) return result;
+    normals[static_cast<std::size_t>(planes++)] = hit->normal;
+    left = along_planes(left, normals, planes);
+    if (!(dot(left, motion) > 0) || length(left) < 1e-9) return result;
+  }
+  return result;
+}
+
+}  // namespace tafoni::query
