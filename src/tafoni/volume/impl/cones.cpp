@@ -1,0 +1,134 @@
+#include "tafoni/volume/impl/cones.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tafoni/volume/impl/cones.cpp"
+#include <hwy/foreach_target.h>
+// foreach_target must come before what it compiles again.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <hwy/highway.h>
+
+#include "tafoni/math/simd.h"
+
+#ifndef TAFONI_VOLUME_CONES_ONCE
+#define TAFONI_VOLUME_CONES_ONCE
+namespace tafoni::volume::impl {
+
+/// A cone seen from a brick, in floats.
+struct NearCone {
+  float x, y, z;     ///< from the cone's first end to the brick's first sample
+  float ux, uy, uz;  ///< along
+  float length, radius, grow;
+  float lean;    ///< how much further along the nearest sphere is, per metre from the axis
+  float floor;   ///< radii
+  float ground;  ///< height of the axis's first end above the brick's first sample
+};
+
+}  // namespace tafoni::volume::impl
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace tafoni::volume::impl {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+void least_of_cones(const NearCone* cones, std::size_t n, float spacing, float* out) {
+  const hn::CappedTag<float, brick_side> f;
+  using Vec = hn::Vec<decltype(f)>;
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  const Vec zero = hn::Zero(f);
+  std::fill_n(out, brick_side * brick_side * brick_side, std::numeric_limits<float>::max());
+  for (std::size_t i = 0; i < n; ++i) {
+    const NearCone& c = cones[i];
+    const Vec ux = hn::Set(f, c.ux), uy = hn::Set(f, c.uy), uz = hn::Set(f, c.uz), end = hn::Set(f, c.length);
+    float* at = out;
+    for (int z = 0; z < brick_side; ++z) {
+      const float wz = c.z + spacing * static_cast<float>(z);
+      const Vec lowest = hn::Set(f, c.ground - spacing * static_cast<float>(z));
+      for (int y = 0; y < brick_side; ++y) {
+        const float wy = c.y + spacing * static_cast<float>(y);
+        const Vec flat = hn::Set(f, wy * c.uy + wz * c.uz);
+        for (int x = 0; x < brick_side; x += lanes, at += lanes) {
+          const Vec wx =
+              hn::Add(hn::Set(f, c.x), hn::Mul(hn::Set(f, spacing), hn::Iota(f, static_cast<float>(x))));
+          const Vec s0 = hn::Add(hn::Mul(wx, ux), flat);
+          const Vec qx = hn::Sub(wx, hn::Mul(s0, ux)), qy = hn::Sub(hn::Set(f, wy), hn::Mul(s0, uy)),
+                    qz = hn::Sub(hn::Set(f, wz), hn::Mul(s0, uz));
+          const Vec h2 = hn::Add(hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy)), hn::Mul(qz, qz));
+          const Vec lean = hn::Mul(hn::Sqrt(h2), hn::Set(f, c.lean));
+          const Vec s = hn::Min(hn::Max(hn::Add(s0, lean), zero), end);
+          const Vec off = hn::Sub(s, s0);
+          Vec value = hn::Sub(hn::Sqrt(hn::Add(h2, hn::Mul(off, off))),
+                              hn::Add(hn::Set(f, c.radius), hn::Mul(s, hn::Set(f, c.grow))));
+          if (c.floor < 1) {
+            const Vec t = hn::Min(hn::Max(s0, zero), end);
+            const Vec depth =
+                hn::Mul(hn::Set(f, c.floor), hn::Add(hn::Set(f, c.radius), hn::Mul(t, hn::Set(f, c.grow))));
+            value = hn::Max(value, hn::Sub(hn::Add(lowest, hn::Mul(t, uz)), depth));
+          }
+          hn::StoreU(hn::Min(value, hn::LoadU(f, at)), f, at);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace tafoni::volume::impl
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tafoni::volume::impl {
+namespace {
+
+HWY_EXPORT(least_of_cones);
+
+/// The sphere nearest to p is not the one abreast of it where the radius grows.
+double lean_of(const Cone& c) {
+  return c.grow / std::sqrt(1 - c.grow * c.grow);
+}
+
+}  // namespace
+
+Cone cone_between(Vec3d a, double radius_a, Vec3d b, double radius_b, double floor) {
+  const double l = length(b - a);
+  if (l <= std::abs(radius_b - radius_a) * 1.0001)
+    return radius_a > radius_b ? Cone{a, {1, 0, 0}, 0, radius_a, 0, floor}
+                               : Cone{b, {1, 0, 0}, 0, radius_b, 0, floor};
+  return {a, (b - a) * (1 / l), l, radius_a, (radius_b - radius_a) / l, floor};
+}
+
+double Cone::round(Vec3d p) const {
+  const Vec3d w = p - from;
+  const double s0 = dot(w, along);
+  const double h = tafoni::length(w - along * s0);
+  const double s = std::clamp(s0 + h * lean_of(*this), 0.0, length);
+  return std::sqrt(h * h + (s - s0) * (s - s0)) - (radius + grow * s);
+}
+
+double Cone::value(Vec3d p) const {
+  const double own = round(p);
+  if (floor >= 1) return own;
+  const double s = std::clamp(dot(p - from, along), 0.0, length);
+  return std::max(own, from.z + along.z * s - floor * (radius + grow * s) - p.z);
+}
+
+void least_values(std::span<const Cone* const> cones, Vec3d first, double spacing, float* out) {
+  limit_simd();
+  thread_local std::vector<NearCone> near;
+  near.clear();
+  const auto small = [](double v) { return static_cast<float>(v); };
+  for (const Cone* c : cones) {
+    const Vec3d w = first - c->from;
+    near.push_back({small(w.x), small(w.y), small(w.z), small(c->along.x), small(c->along.y),
+                    small(c->along.z), small(c->length), small(c->radius), small(c->grow), small(lean_of(*c)),
+                    small(c->floor), small(-w.z)});
+  }
+  HWY_DYNAMIC_DISPATCH(least_of_cones)(near.data(), near.size(), small(spacing), out);
+}
+
+}  // namespace tafoni::volume::impl
+#endif

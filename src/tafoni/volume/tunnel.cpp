@@ -1,0 +1,276 @@
+#include "tafoni/volume/tunnel.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+#include "tafoni/core/random.h"
+#include "tafoni/volume/impl/cones.h"
+
+namespace tafoni::volume {
+namespace {
+
+using impl::Cone;
+
+/// Keeps the axis between the slopes that its ends allow: what a climber from either end could reach.
+void limit_slope(std::vector<AxisPoint>& axis, double slope) {
+  const std::size_t n = axis.size();
+  std::vector<double> along(n, 0.0);
+  for (std::size_t i = 1; i < n; ++i) {
+    const Vec3d d = axis[i].position - axis[i - 1].position;
+    along[i] = along[i - 1] + std::hypot(d.x, d.y);
+  }
+  const double first = axis.front().position.z, last = axis.back().position.z;
+  // Ends that are too far apart in height: an even ramp.
+  const double most = std::max(slope, std::abs(last - first) / std::max(along.back(), 1e-9));
+  std::vector<double> low(n), high(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double from = most * along[i], to = most * (along.back() - along[i]);
+    const double z =
+        std::clamp(axis[i].position.z, std::max(first - from, last - to), std::min(first + from, last + to));
+    low[i] = high[i] = z;
+  }
+  // The greatest function below and the least above the heights that are nowhere steeper; and their mean.
+  const auto relax = [&](std::size_t i, std::size_t from) {
+    const double d = most * std::abs(along[i] - along[from]);
+    low[i] = std::min(low[i], low[from] + d);
+    high[i] = std::max(high[i], high[from] - d);
+  };
+  for (std::size_t i = 1; i < n; ++i) relax(i, i - 1);
+  for (std::size_t i = n - 1; i-- > 0;) relax(i, i + 1);
+  for (std::size_t i = 1; i + 1 < n; ++i) axis[i].position.z = 0.5 * (low[i] + high[i]);
+}
+
+std::vector<Cone> cones_of(const Tunnel& tunnel) {
+  std::vector<Cone> out;
+  const auto& axis = tunnel.axis;
+  for (std::size_t i = 0; i + 1 < axis.size(); ++i)
+    out.push_back(impl::cone_between(axis[i].position, axis[i].radius, axis[i + 1].position,
+                                     axis[i + 1].radius, tunnel.floor));
+  if (axis.size() == 1) out.push_back({axis[0].position, {1, 0, 0}, 0, axis[0].radius, 0, tunnel.floor});
+  return out;
+}
+
+/// Finds the bricks that cones reach, takes the least of the cones that matter in each, and lowers the grid.
+class Carving {
+ public:
+  Carving(ScalarGrid& grid, double reach) : grid_(grid), frame_(grid.frame()) {
+    bricks_ = {(frame_.size.x - 1) / side + 1, (frame_.size.y - 1) / side + 1,
+               (frame_.size.z - 1) / side + 1};
+    half_ = 0.5 * std::sqrt(3.0) * (side - 1) * frame_.spacing;
+    reach_ = std::min(reach, static_cast<double>(grid.range(frame_.box()).hi));
+  }
+
+  SampleBox run(const std::vector<Cone>& cones, Progress& progress) {
+    for (const Cone& cone : cones) spread(cone);
+    // Bricks in the order in which they lie in memory; in each, cones in the order given.
+    std::stable_sort(near_.begin(), near_.end(), [](const Near& a, const Near& b) { return a.key < b.key; });
+    for (std::size_t i = 0; i < near_.size(); ++i)
+      if (i == 0 || near_[i].key != near_[i - 1].key) starts_.push_back(i);
+    starts_.push_back(near_.size());
+    SampleBox changed;
+    const std::size_t bricks = starts_.size() - 1;
+    std::vector<Made> made(std::min<std::size_t>(bricks, group));
+    for (std::size_t begin = 0; begin < bricks; begin += group) {
+      progress.check();
+      const auto count = static_cast<std::int64_t>(std::min<std::size_t>(group, bricks - begin));
+      parallel_blocks(count, 16, [&](std::int64_t from, std::int64_t to) {
+        for (std::int64_t i = from; i < to; ++i)
+          evaluate(begin + static_cast<std::size_t>(i), made[static_cast<std::size_t>(i)]);
+      });
+      for (std::int64_t i = 0; i < count; ++i) lower(made[static_cast<std::size_t>(i)], changed);
+    }
+    return changed;
+  }
+
+ private:
+  static constexpr int side = impl::brick_side;
+  static constexpr std::size_t group = 256;  ///< bricks in the making
+
+  struct Near {
+    std::uint64_t key;
+    const Cone* cone;
+  };
+  /// A brick's values.
+  struct Made {
+    SampleBox box;
+    bool any;
+    float values[side * side * side];
+  };
+
+  /// Bricks of a chunk are neighbours.
+  static std::uint64_t key_of(Vec3i b) {
+    const auto part = [](int v, int bits) {
+      return std::pair{static_cast<std::uint64_t>(v) >> 2, (static_cast<std::uint64_t>(v) & 3) << bits};
+    };
+    const auto [cx, x] = part(b.x, 0);
+    const auto [cy, y] = part(b.y, 2);
+    const auto [cz, z] = part(b.z, 4);
+    return (((cz << 18 | cy) << 18 | cx) << 6) | z | y | x;
+  }
+  static Vec3i brick_of(std::uint64_t key) {
+    const auto join = [&](int chunk, int own) {
+      return static_cast<int>((key >> chunk & 0x3ffff) << 2 | (key >> own & 3));
+    };
+    return {join(6, 0), join(24, 2), join(42, 4)};
+  }
+  Vec3d center(Vec3i b) const {
+    const double half = 0.5 * (side - 1);
+    const auto at = [&](int v) { return frame_.spacing * (side * v + half); };
+    return frame_.origin + Vec3d{at(b.x), at(b.y), at(b.z)};
+  }
+
+  /// The bricks that a cone may reach; a long one piece by piece, or its box would hold many that are far.
+  void spread(const Cone& cone) {
+    const double stride = frame_.spacing * side;
+    const double radius = std::max(cone.radius, cone.radius + cone.grow * cone.length) + reach_;
+    const int pieces = static_cast<int>(cone.length / (2 * radius + 4 * stride)) + 1;
+    const std::size_t first = near_.size();
+    for (int i = 0; i < pieces; ++i) {
+      Box3d box;
+      box.expand(cone.from + cone.along * (cone.length * i / pieces));
+      box.expand(cone.from + cone.along * (cone.length * (i + 1) / pieces));
+      box = box.grown(radius);
+      const auto from = [&](double v, double o) { return std::max(std::floor((v - o) / stride), 0.0); };
+      const auto to = [&](double v, double o, int n) { return std::min((v - o) / stride, n - 1.0); };
+      for (double z = from(box.lo.z, frame_.origin.z); z <= to(box.hi.z, frame_.origin.z, bricks_.z); ++z)
+        for (double y = from(box.lo.y, frame_.origin.y); y <= to(box.hi.y, frame_.origin.y, bricks_.y); ++y)
+          for (double x = from(box.lo.x, frame_.origin.x); x <= to(box.hi.x, frame_.origin.x, bricks_.x);
+               ++x) {
+            const Vec3i b{static_cast<int>(x), static_cast<int>(y), static_cast<int>(z)};
+            if (cone.round(center(b)) - half_ < reach_) near_.push_back({key_of(b), &cone});
+          }
+    }
+    if (pieces == 1) return;
+    const auto begin = near_.begin() + static_cast<std::ptrdiff_t>(first);
+    std::sort(begin, near_.end(), [](const Near& a, const Near& b) { return a.key < b.key; });
+    near_.erase(std::unique(begin, near_.end(), [](const Near& a, const Near& b) { return a.key == b.key; }),
+                near_.end());
+  }
+
+  /// Leaves out cones that are nowhere the least in the brick, and the brick where all that stands is lower.
+  void evaluate(std::size_t brick, Made& made) const {
+    const std::size_t begin = starts_[brick], end = starts_[brick + 1];
+    const Vec3i b = brick_of(near_[begin].key), n = frame_.size;
+    const Vec3d at = center(b);
+    const Vec3i lo{side * b.x, side * b.y, side * b.z};
+    made.box = {
+        lo, {std::min(lo.x + side, n.x) - 1, std::min(lo.y + side, n.y) - 1, std::min(lo.z + side, n.z) - 1}};
+    thread_local std::vector<std::pair<double, const Cone*>> all;
+    thread_local std::vector<const Cone*> list;
+    all.clear(), list.clear();
+    double lowest = std::numeric_limits<double>::infinity(), least = lowest;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Cone* c = near_[i].cone;
+      const double round = c->round(at);
+      all.emplace_back(round - half_, c);
+      lowest = std::min(lowest, round - half_);
+      // A floor is steeper than a wall, where it slopes and where the radius grows.
+      least = std::min(least, c->floor < 1 ? c->value(at) + 3 * half_ : round + half_);
+    }
+    grid_.read(made.box, made.values);
+    const Vec3i size = made.box.size();
+    const float stands = *std::max_element(made.values, made.values + size.x * size.y * size.z);
+    made.any = lowest < static_cast<double>(stands);
+    if (!made.any) return;
+    for (const auto& [below, cone] : all)
+      if (below <= least) list.push_back(cone);
+    impl::least_values(list, frame_.position(lo), frame_.spacing, made.values);
+  }
+
+  void lower(const Made& made, SampleBox& changed) {
+    if (!made.any) return;
+    const auto reach = static_cast<float>(reach_);
+    const Vec3i lo = made.box.lo;
+    const SampleBox by = grid_.edit(made.box, [&](Vec3i first, std::span<float> row) {
+      const float* values = made.values + ((first.z - lo.z) * side + (first.y - lo.y)) * side;
+      for (std::size_t i = 0; i < row.size(); ++i)
+        if (values[i] < reach && values[i] < row[i]) row[i] = values[i];
+    });
+    if (by.empty()) return;
+    if (changed.empty()) changed = by;
+    changed = {
+        {std::min(changed.lo.x, by.lo.x), std::min(changed.lo.y, by.lo.y), std::min(changed.lo.z, by.lo.z)},
+        {std::max(changed.hi.x, by.hi.x), std::max(changed.hi.y, by.hi.y), std::max(changed.hi.z, by.hi.z)}};
+  }
+
+  ScalarGrid& grid_;
+  GridFrame frame_;
+  Vec3i bricks_;
+  double half_, reach_;
+  std::vector<Near> near_;
+  std::vector<std::size_t> starts_;
+};
+
+}  // namespace
+
+Tunnel fractal_tunnel(Vec3d from, Vec3d to, const TunnelSettings& s) {
+  if (!(s.radius > 0) || !(s.step > 0) || !std::isfinite(s.radius))
+    fail(ErrorKind::usage, "a tunnel's radius and step must be positive lengths in metres");
+  const double share = std::clamp(s.swelling, 0.0, 0.9);
+  Tunnel tunnel;
+  tunnel.floor = s.floor;
+  // A segment's place in the tree of halves: its noise does not depend on which others are halved.
+  struct Part {
+    AxisPoint end;
+    std::uint64_t place;
+  };
+  AxisPoint begin{from, s.radius};
+  std::vector<Part> ahead = {{{to, s.radius}, 1}};
+  tunnel.axis = {begin};
+  const Random random(s.seed);
+  while (!ahead.empty()) {
+    const Part part = ahead.back();
+    const double l = length(part.end.position - begin.position);
+    if (l <= s.step || part.place >> 24) {
+      tunnel.axis.push_back(begin = part.end);
+      ahead.pop_back();
+      continue;
+    }
+    const auto noise = [&](std::uint64_t which) {
+      return 2 * (static_cast<double>(random.at(4 * part.place + which) >> 11) * 0x1p-53) - 1;
+    };
+    const double swell = s.radius * share * std::ldexp(2.0, -static_cast<int>(std::bit_width(part.place)));
+    AxisPoint middle{0.5 * (begin.position + part.end.position), 0.5 * (begin.radius + part.end.radius)};
+    middle.position += Vec3d{noise(0), noise(1), s.climb * noise(2)} * (s.wander * l);
+    middle.radius =
+        std::clamp(middle.radius + swell * noise(3), s.radius * (1 - share), s.radius * (1 + share));
+    ahead.back().place = 2 * part.place + 1;
+    ahead.push_back({middle, 2 * part.place});
+  }
+  limit_slope(tunnel.axis, s.slope);
+  return tunnel;
+}
+
+double length(const Tunnel& tunnel) {
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < tunnel.axis.size(); ++i)
+    sum += length(tunnel.axis[i + 1].position - tunnel.axis[i].position);
+  return sum;
+}
+
+double distance(const Tunnel& tunnel, Vec3d p) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Cone& cone : cones_of(tunnel)) least = std::min(least, cone.value(p));
+  return least;
+}
+
+Box3d bounds(const Tunnel& tunnel, double reach) {
+  Box3d box;
+  for (const AxisPoint& a : tunnel.axis) box.expand(Box3d{a.position, a.position}.grown(a.radius + reach));
+  return box;
+}
+
+SampleBox carve(ScalarGrid& grid, std::span<const Tunnel> tunnels, double reach, Progress& progress) {
+  std::vector<Cone> cones;
+  for (const Tunnel& tunnel : tunnels) {
+    const auto more = cones_of(tunnel);
+    cones.insert(cones.end(), more.begin(), more.end());
+  }
+  return Carving(grid, reach).run(cones, progress);
+}
+
+}  // namespace tafoni::volume
