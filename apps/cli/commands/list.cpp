@@ -76,7 +76,8 @@ std::function<int(Console&)> setup(Args& args) {
   auto list = std::make_shared<List>();
   args.positional(
       "TOPIC", list->topic,
-      "commands, options, scene, landforms, geology, generators, primitives, operators or formats", false);
+      "commands, options, scene, landforms, geology, generators, primitives, operators, solids or formats",
+      false);
   args.positional("NAME", list->name, "One of the topic: its purpose, source and parameters", false);
   args.flag("--markdown", list->markdown, "Write the whole reference as Markdown");
   return [list](Console& console) { return run(*list, console); };

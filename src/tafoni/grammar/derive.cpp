@@ -1,0 +1,124 @@
+#include "tafoni/grammar/derive.h"
+
+#include <algorithm>
+
+#include "tafoni/core/error.h"
+
+namespace tafoni::grammar {
+namespace {
+
+constexpr int tries = 12;
+
+class Generator {
+ public:
+  explicit Generator(const Settings& settings)
+      : settings_(settings), direction_(direction_of(settings.direction)), random_(settings.seed, 0x5364) {
+    if (settings.solids.empty()) fail(ErrorKind::usage, "a grammar needs the name of one solid at least");
+    for (const std::string& name : settings.solids) find_solid(name);
+  }
+
+  void run(Assembly& base, const Assembly::Accept& accept, Progress& progress) {
+    const std::vector<Operation> order = operations(base.empty());
+    progress.begin("productions", order.size(), "productions");
+    for (const Operation operation : order) {
+      progress.check();
+      for (int i = 0; i < tries && !base.produce(shape(), production(operation, base), random_, accept);
+           ++i) {
+      }
+      progress.advance();
+    }
+    progress.end();
+  }
+
+ private:
+  /// A sum first; the morphs at random places after it.
+  std::vector<Operation> operations(bool empty) {
+    std::vector<Operation> order;
+    for (int i = 0; i < settings_.classic; ++i) {
+      const double draw = random_.uniform();
+      const bool sum = (empty && i == 0) || draw >= settings_.differences + settings_.intersections;
+      order.push_back(sum                            ? Operation::sum
+                      : draw < settings_.differences ? Operation::difference
+                                                     : Operation::intersection);
+    }
+    for (int i = 0; i < settings_.morphic; ++i) {
+      const std::size_t at = order.empty() ? 0 : 1 + random_.below(order.size());
+      order.insert(order.begin() + static_cast<std::ptrdiff_t>(at), Operation::morph);
+    }
+    return order;
+  }
+
+  SolidPtr solid(double scale) {
+    const std::string& name = settings_.solids[random_.below(settings_.solids.size())];
+    const auto half = [&] {
+      return scale * settings_.size * random_.uniform(settings_.spread[0], settings_.spread[1]);
+    };
+    const double x = half(), y = half(), z = half() * settings_.flat;
+    const SolidType& type = find_solid(name);
+    return type.make(type.fit({x, y, z}));
+  }
+
+  /// P_S solids, joined in any direction.
+  Shape shape() {
+    const int count = std::max(1, settings_.per_shape);
+    if (count == 1) return shape_of(solid(1));
+    const double scale = 1 / std::cbrt(static_cast<double>(count));
+    Assembly parts;
+    for (int i = 0; i < count; ++i) {
+      Production how;
+      how.sink = std::max(settings_.overlap, 0.25);
+      how.turn = settings_.turn;
+      parts.produce(shape_of(solid(scale)), how, random_);
+    }
+    Shape whole = parts.shape();
+    const Vec3d middle = whole.bounds.center();
+    const Pose to_middle{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, -middle};
+    whole.form = placed(whole.form, to_middle);
+    whole.bounds = to_middle.placed(whole.bounds);
+    for (Bond& bond : whole.bonds) bond = to_middle.placed(bond);
+    return whole;
+  }
+
+  Production production(Operation operation, const Assembly& base) {
+    Production how;
+    how.operation = operation;
+    how.direction = direction_;
+    how.alpha = settings_.morph;
+    how.turn = settings_.turn;
+    how.whole = settings_.whole;
+    // What lies outside cannot take anything away, and would leave next to nothing in common or in between.
+    how.sink = operation == Operation::sum ? settings_.overlap : 0.5;
+    how.level = operation == Operation::morph || operation == Operation::intersection;
+    const bool branch = random_.uniform() < settings_.branches;
+    const auto parts = static_cast<std::uint64_t>(base.parts().size());
+    if (branch && parts > 0 && operation != Operation::intersection)
+      how.part = static_cast<int>(random_.below(parts));
+    return how;
+  }
+
+  const Settings& settings_;
+  Vec3d direction_;
+  Random random_;
+};
+
+}  // namespace
+
+std::vector<std::string> direction_names() {
+  return {"+X", "-X", "+Y", "-Y", "+Z", "-Z", "random"};
+}
+
+Vec3d direction_of(std::string_view text) {
+  constexpr Vec3d axes[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}, {0, 0, 0}};
+  const std::vector<std::string> names = direction_names();
+  const auto found = std::find(names.begin(), names.end(), text);
+  if (found == names.end())
+    fail(ErrorKind::usage, "unknown direction \"{}\"; write +X, -X, +Y, -Y, +Z, -Z or random", text);
+  return axes[found - names.begin()];
+}
+
+void derive_at_random(Assembly& base, const Settings& settings, const Assembly::Accept& accept,
+                      Progress& progress) {
+  Generator(settings).run(base, accept, progress);
+}
+
+}  // namespace tafoni::grammar

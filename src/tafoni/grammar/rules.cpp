@@ -1,0 +1,214 @@
+#include <algorithm>
+#include <charconv>
+#include <deque>
+
+#include "tafoni/core/error.h"
+#include "tafoni/grammar/derive.h"
+
+namespace tafoni::grammar {
+namespace {
+
+struct Range {
+  double lo = 1, hi = 1;
+};
+
+struct Rule {
+  std::string where, symbol, shape;
+  Production how;
+  std::vector<Range> size;
+  double weight = 1;
+  std::vector<std::string> next;
+};
+
+std::vector<std::string_view> words(std::string_view text) {
+  std::vector<std::string_view> out;
+  while (true) {
+    const std::size_t begin = text.find_first_not_of(" \t\n,");
+    if (begin == text.npos) return out;
+    text.remove_prefix(begin);
+    const std::size_t end = std::min(text.find_first_of(" \t\n,"), text.size());
+    out.push_back(text.substr(0, end));
+    text.remove_prefix(end);
+  }
+}
+
+double number(std::string_view text, double lo, double hi, const std::string& where,
+              std::string_view column) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !(value >= lo && value <= hi))
+    fail(ErrorKind::usage, "{}: {} = \"{}\" is no number from {:g} to {:g}", where, column, text, lo, hi);
+  return value;
+}
+
+/// "2", or "1.5..3" for a size drawn between the two.
+Range range(std::string_view text, const std::string& where) {
+  const std::size_t dots = text.find("..");
+  const double lo = number(text.substr(0, dots), 1e-3, 1e4, where, "size");
+  const double hi = dots == text.npos ? lo : number(text.substr(dots + 2), lo, 1e4, where, "size");
+  return {lo, hi};
+}
+
+Rule rule(const Row& row, std::size_t number_of_row, const Settings& settings) {
+  Rule out;
+  out.where = fmt::format("rule {}", number_of_row + 1);
+  const auto cell = [&](std::string_view name) -> const std::string& { return row.find(name)->second; };
+  out.symbol = cell("symbol");
+  out.shape = cell("shape");
+  if (out.symbol.empty() || out.shape.empty())
+    fail(ErrorKind::usage, "{}: it needs a symbol and a shape", out.where);
+  try {
+    out.how.operation = operation_of(cell("operation"));
+    const std::string& label = cell("label");
+    out.how.direction = direction_of(label.empty() ? std::string_view(settings.direction) : label);
+  } catch (const Error& error) {
+    fail(error.kind(), "{}: {}", out.where, error.what());
+  }
+  for (const std::string_view word : words(cell("size"))) out.size.push_back(range(word, out.where));
+  if (out.size.size() != 1 && out.size.size() != 3)
+    fail(ErrorKind::usage, "{}: size must be one half width, or three along x, y and z", out.where);
+  const std::string& morph = cell("morph");
+  out.how.alpha = morph.empty() ? settings.morph : number(morph, 0, 100, out.where, "morph") / 100;
+  const std::string& sink = cell("sink");
+  out.how.sink = sink.empty() ? settings.overlap : number(sink, 0, 1, out.where, "sink");
+  out.how.turn = settings.turn;
+  out.how.whole = settings.whole;
+  out.weight = number(cell("weight"), 0, 1e9, out.where, "weight");
+  for (const std::string_view word : words(cell("next"))) out.next.emplace_back(word);
+  return out;
+}
+
+class Rewriting {
+ public:
+  Rewriting(const Rows& rows, const Settings& settings, Progress& progress)
+      : settings_(settings), progress_(progress), random_(settings.seed, 0x5275) {
+    for (std::size_t i = 0; i < rows.size(); ++i) rules_.push_back(rule(rows[i], i, settings));
+    for (const Rule& r : rules_) {
+      for (const std::string& symbol : r.next)
+        if (!known(symbol)) fail(ErrorKind::usage, "{}: no rule says what \"{}\" is", r.where, symbol);
+      if (known(r.shape)) continue;
+      try {
+        find_solid(r.shape);
+      } catch (const Error& error) {
+        fail(error.kind(), "{}: {}, and no rule has it as its symbol", r.where, error.what());
+      }
+    }
+  }
+
+  void run(Assembly& base, const Assembly::Accept& accept) {
+    progress_.begin("productions", static_cast<std::uint64_t>(settings_.classic + settings_.morphic),
+                    "productions");
+    if (!rules_.empty())
+      rewrite(base, rules_.front().symbol, settings_.classic, settings_.morphic, accept, 0);
+    progress_.end();
+  }
+
+ private:
+  bool known(std::string_view symbol) const {
+    return std::any_of(rules_.begin(), rules_.end(), [&](const Rule& r) { return r.symbol == symbol; });
+  }
+
+  const Rule* draw(std::string_view symbol) {
+    double sum = 0;
+    for (const Rule& r : rules_) sum += r.symbol == symbol ? r.weight : 0;
+    double left = random_.uniform() * sum;
+    const Rule* last = nullptr;
+    for (const Rule& r : rules_) {
+      if (r.symbol != symbol || r.weight == 0) continue;
+      last = &r;
+      if ((left -= r.weight) < 0) break;
+    }
+    return last;
+  }
+
+  Shape shape(const Rule& r, int depth) {
+    const auto draw_size = [&](const Range& range) { return random_.uniform(range.lo, range.hi); };
+    Vec3d half;
+    if (r.size.size() == 1) {
+      half.x = half.y = half.z = draw_size(r.size[0]);
+    } else {
+      half.x = draw_size(r.size[0]);
+      half.y = draw_size(r.size[1]);
+      half.z = draw_size(r.size[2]);
+    }
+    if (!known(r.shape)) {
+      const SolidType& type = find_solid(r.shape);
+      return shape_of(type.make(type.fit(half * settings_.size)));
+    }
+    constexpr int deepest = 8;
+    if (depth >= deepest)
+      fail(ErrorKind::usage, "{}: \"{}\" is made of itself without end", r.where, r.shape);
+    Assembly stored;
+    rewrite(stored, r.shape, std::max(1, settings_.per_shape), 0, nullptr, depth + 1);
+    return stored.shape();
+  }
+
+  void rewrite(Assembly& base, const std::string& axiom, int classic, int morphic,
+               const Assembly::Accept& accept, int depth) {
+    struct Standing {
+      std::string symbol;
+      int part;
+    };
+    std::deque<Standing> open = {{axiom, -1}};
+    while (!open.empty() && classic + morphic > 0) {
+      progress_.check();
+      const Standing at = open.front();
+      open.pop_front();
+      const Rule* r = draw(at.symbol);
+      if (!r) continue;
+      int& left = r->how.operation == Operation::morph ? morphic : classic;
+      Production how = r->how;
+      how.part = at.part;
+      // The empty shape is no production: its symbols go on where its own stood.
+      const bool nothing = r->shape == "empty";
+      if (!nothing) {
+        if (left == 0 || !place(base, *r, how, accept, depth)) continue;
+        --left;
+        if (depth == 0) progress_.advance();
+      } else if (++idle_ > limit) {
+        fail(ErrorKind::usage, "{}: empty shapes follow one another without end", r->where);
+      }
+      const bool grew = !nothing && how.operation == Operation::sum;
+      const int part = grew ? static_cast<int>(base.parts().size()) - 1 : at.part;
+      for (const std::string& symbol : r->next) open.push_back({symbol, part});
+    }
+  }
+
+  bool place(Assembly& base, const Rule& r, const Production& how, const Assembly::Accept& accept,
+             int depth) {
+    constexpr int tries = 4;
+    for (int i = 0; i < tries; ++i)
+      if (base.produce(shape(r, depth), how, random_, accept)) return true;
+    return false;
+  }
+
+  static constexpr int limit = 10000;
+  const Settings& settings_;
+  Progress& progress_;
+  Random random_;
+  std::vector<Rule> rules_;
+  int idle_ = 0;
+};
+
+}  // namespace
+
+std::vector<ParamInfo> rule_columns() {
+  return {
+      column("symbol", "", "what the rule replaces"),
+      column("shape", "", "a solid, empty, or a symbol whose own rules make the shape"),
+      column("operation", "sum", "sum, difference, intersection or morph"),
+      column("label", "", "+X -X +Y -Y +Z -Z or random: where on the base; empty for the layer's"),
+      column("size", "1",
+             "half width, or three along x, y and z, as multiples of the layer's size; a..b for any between"),
+      column("morph", "", "percent of the shape in a morph; empty for the layer's"),
+      column("sink", "", "share of its extent that a shape is pushed in; empty for the layer's overlap"),
+      column("weight", "1", "how likely among the rules of the symbol"),
+      column("next", "", "symbols that go on from the shape")};
+}
+
+void derive_by_rules(Assembly& base, const Rows& rules, const Settings& settings,
+                     const Assembly::Accept& accept, Progress& progress) {
+  Rewriting(rules, settings, progress).run(base, accept);
+}
+
+}  // namespace tafoni::grammar
