@@ -1,0 +1,179 @@
+#include "tafoni/runtime/journal.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "tafoni/core/atomic_file.h"
+#include "tafoni/core/error.h"
+#include "tafoni/runtime/impl/bytes.h"
+
+namespace tafoni::runtime {
+namespace {
+
+using impl::ByteReader;
+using impl::ByteWriter;
+
+constexpr std::uint64_t magic = 0x6c616e6a67696474;  // "tdigjnal"
+constexpr std::uint64_t format_version = 1;
+constexpr std::size_t header_bytes = 32, head_bytes = 16, tail_bytes = 9;
+constexpr std::byte whole{0xa5};  ///< not 0, so that an end of zeros is known as such
+
+std::vector<std::byte> header(Digest base) {
+  ByteWriter out;
+  out.put(magic);
+  out.put(format_version);
+  out.put(base);
+  out.put(impl::checksum(out.bytes));
+  return std::move(out.bytes);
+}
+
+std::uint64_t head_checksum(Digest base, std::span<const std::byte> head) {
+  return impl::checksum(head.first(8), base);
+}
+
+void put_record(ByteWriter& out, Digest base, std::uint32_t number, const Message& message) {
+  const std::size_t begin = out.bytes.size();
+  out.put(static_cast<std::uint32_t>(message.size()));
+  out.put(number);
+  const std::uint64_t check = head_checksum(base, std::span(out.bytes).subspan(begin));
+  out.put(check);
+  out.bytes.insert(out.bytes.end(), message.begin(), message.end());
+  out.put(impl::checksum(message, check));
+  out.put(whole);
+}
+
+/// Reads one record from the front of `left`. False where it is unfinished; throws where it is damaged.
+/// `written` bytes of `left` end in one that is not 0.
+bool take(std::span<const std::byte> left, std::size_t written, Digest base, std::uint32_t number,
+          std::string_view name, Message& message) {
+  const auto damaged = [&] {
+    fail(ErrorKind::input, "{}: edit {} is damaged; restore the journal from a copy", name, number);
+  };
+  if (written < head_bytes + tail_bytes) return false;
+  ByteReader head(left.first(head_bytes));
+  const auto length = head.get<std::uint32_t>(), own = head.get<std::uint32_t>();
+  const auto check = head.get<std::uint64_t>();
+  if (check != head_checksum(base, left) || own != number) damaged();
+  if (written < head_bytes + length + tail_bytes) return false;
+  const auto bytes = left.subspan(head_bytes, length);
+  ByteReader tail(left.subspan(head_bytes + length, tail_bytes));
+  if (tail.get<std::uint64_t>() != impl::checksum(bytes, check) || tail.get<std::byte>() != whole) damaged();
+  message.assign(bytes.begin(), bytes.end());
+  return true;
+}
+
+std::vector<std::byte> read_whole(const std::filesystem::path& file) {
+  std::error_code code;
+  const auto size = std::filesystem::file_size(file, code);
+  std::ifstream in(file, std::ios::binary);
+  if (code || !in) fail(ErrorKind::input, "{}: cannot be read; check the path", file.string());
+  std::vector<std::byte> bytes(static_cast<std::size_t>(size));
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  bytes.resize(static_cast<std::size_t>(in.gcount()));
+  return bytes;
+}
+
+}  // namespace
+
+JournalContents parse_journal(std::span<const std::byte> bytes, std::string_view name) {
+  ByteReader in(bytes);
+  if (in.get<std::uint64_t>() != magic)
+    fail(ErrorKind::input, "{}: is no journal of a terrain's edits; check the path", name);
+  const auto version = in.get<std::uint64_t>();
+  JournalContents contents;
+  contents.base = in.get<Digest>();
+  if (in.get<std::uint64_t>() != impl::checksum(bytes.first(std::min(bytes.size(), header_bytes - 8))))
+    fail(ErrorKind::input, "{}: its header is damaged; restore the journal from a copy", name);
+  if (version != format_version)
+    fail(ErrorKind::input, "{}: is a journal of version {}, this program reads {}; use a newer one", name,
+         version, format_version);
+
+  std::size_t written = bytes.size();
+  while (bytes[written - 1] == std::byte{0} && written > header_bytes) --written;
+  std::size_t at = header_bytes;
+  Message message;
+  while (at < written && take(bytes.subspan(at), written - at, contents.base,
+                              static_cast<std::uint32_t>(contents.edits.size()) + 1, name, message)) {
+    at += head_bytes + message.size() + tail_bytes;
+    contents.edits.push_back(std::move(message));
+  }
+  contents.bytes = at;
+  contents.torn = bytes.size() - at;
+  return contents;
+}
+
+JournalContents read_journal(const std::filesystem::path& file) {
+  return parse_journal(read_whole(file), file.string());
+}
+
+void write_journal(const std::filesystem::path& file, Digest base, const std::vector<Message>& edits) {
+  AtomicFile out(file);
+  const auto head = header(base);
+  out.write(head.data(), head.size());
+  std::uint32_t number = 0;
+  for (const Message& message : edits) {
+    ByteWriter record;
+    put_record(record, base, ++number, message);
+    out.write(record.bytes.data(), record.bytes.size());
+  }
+  out.commit();
+}
+
+JournalWriter::JournalWriter(std::filesystem::path file, const JournalContents& contents)
+    : file_(std::move(file)),
+      base_(contents.base),
+      bytes_(contents.bytes),
+      count_(static_cast<std::uint32_t>(contents.edits.size())) {
+  fd_ = ::open(file_.c_str(), O_WRONLY | O_CLOEXEC);
+  const bool cut = fd_ >= 0 && ::ftruncate(fd_, static_cast<off_t>(bytes_)) == 0 &&
+                   ::lseek(fd_, 0, SEEK_END) == static_cast<off_t>(bytes_);
+  if (cut) return;
+  const int error = errno;
+  if (fd_ >= 0) ::close(fd_);
+  fail(ErrorKind::output, "cannot append to {}: {}; check the permissions of the file and its folder",
+       file_.string(), std::strerror(error));
+}
+
+JournalWriter::JournalWriter(JournalWriter&& other) noexcept
+    : file_(std::move(other.file_)),
+      fd_(std::exchange(other.fd_, -1)),
+      base_(other.base_),
+      bytes_(other.bytes_),
+      count_(other.count_) {}
+
+JournalWriter::~JournalWriter() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+void JournalWriter::append(const Message& message) {
+  ByteWriter record;
+  put_record(record, base_, count_ + 1, message);
+  std::size_t done = 0;
+  while (done < record.bytes.size()) {
+    const ssize_t n = ::write(fd_, record.bytes.data() + done, record.bytes.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n >= 0) {
+      done += static_cast<std::size_t>(n);
+      continue;
+    }
+    const int error = errno;
+    if (::ftruncate(fd_, static_cast<off_t>(bytes_)) == 0) (void)::lseek(fd_, 0, SEEK_END);
+    fail(ErrorKind::output, "cannot append to {}: {}; the edit was not made", file_.string(),
+         std::strerror(error));
+  }
+  bytes_ += record.bytes.size();
+  ++count_;
+}
+
+void JournalWriter::sync() {
+  if (::fsync(fd_) != 0 && errno != EINVAL && errno != EROFS)
+    fail(ErrorKind::output, "cannot write {}: {}; check the disk", file_.string(), std::strerror(errno));
+}
+
+}  // namespace tafoni::runtime

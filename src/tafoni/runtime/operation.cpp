@@ -1,0 +1,141 @@
+#include "tafoni/runtime/operation.h"
+
+#include <cmath>
+
+#include "tafoni/core/error.h"
+#include "tafoni/runtime/impl/bytes.h"
+
+namespace tafoni::runtime {
+namespace {
+
+using impl::ByteReader;
+using impl::ByteWriter;
+using volume::ToolData;
+
+constexpr std::uint8_t message_version = 1;
+constexpr std::uint32_t most_numbers = 4096;
+enum class Kind : std::uint8_t { tool, explosion, radial };
+
+bool finite(Vec3d p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+void check_radial(Vec3d center, double radius) {
+  if (!finite(center) || !std::isfinite(radius) || !(radius > 0))
+    fail(ErrorKind::usage, "an explosion needs a finite centre and a radius above 0, not {}", radius);
+}
+
+void check(const Explosion& e) {
+  check_radial(e.center, e.radius);
+  if (!std::isfinite(e.energy)) fail(ErrorKind::usage, "the energy of an explosion is not finite");
+}
+
+void check(const Radial& r) {
+  check_radial(r.center, r.radius);
+  if (r.change.size() < 2 || r.change.size() > most_numbers)
+    fail(ErrorKind::usage, "a radial edit takes 2 to {} values, not {}", most_numbers, r.change.size());
+  for (double v : r.change)
+    if (!std::isfinite(v)) fail(ErrorKind::usage, "a value of a radial edit is not finite");
+}
+
+void put(ByteWriter& out, Vec3d p) {
+  for (double v : {p.x, p.y, p.z}) out.put(v);
+}
+Vec3d get_point(ByteReader& in) {
+  const double x = in.get<double>(), y = in.get<double>();
+  return {x, y, in.get<double>()};
+}
+/// How many items of a size follow; 0 where they cannot.
+std::size_t get_count(ByteReader& in, std::size_t size) {
+  const auto n = in.get<std::uint32_t>();
+  return n <= most_numbers && n * size <= in.left() ? n : 0;
+}
+
+void put(ByteWriter& out, const ToolUse& use) {
+  const ToolData data = use.tool.data();
+  if (data.points.size() > most_numbers)
+    fail(ErrorKind::usage, "a hull of {} corners is too large for an edit: at most {}", data.points.size(),
+         most_numbers);
+  out.put(Kind::tool);
+  out.put(static_cast<std::uint8_t>(use.edit));
+  out.put(data.kind);
+  out.put(static_cast<std::uint32_t>(data.points.size()));
+  for (Vec3d p : data.points) put(out, p);
+  out.put(static_cast<std::uint32_t>(data.sizes.size()));
+  for (double v : data.sizes) out.put(v);
+}
+
+void put(ByteWriter& out, const Explosion& e) {
+  check(e);
+  out.put(Kind::explosion);
+  put(out, e.center);
+  out.put(e.radius);
+  out.put(e.energy);
+}
+
+void put(ByteWriter& out, const Radial& r) {
+  check(r);
+  out.put(Kind::radial);
+  put(out, r.center);
+  out.put(r.radius);
+  out.put(static_cast<std::uint32_t>(r.change.size()));
+  for (double v : r.change) out.put(v);
+}
+
+ToolUse get_tool(ByteReader& in) {
+  const auto edit = in.get<std::uint8_t>();
+  if (edit > 1) fail(ErrorKind::input, "it neither removes nor adds");
+  ToolData data;
+  data.kind = in.get<ToolData::Kind>();
+  for (std::size_t n = get_count(in, sizeof(Vec3d)); n > 0; --n) data.points.push_back(get_point(in));
+  for (std::size_t n = get_count(in, sizeof(double)); n > 0; --n) data.sizes.push_back(in.get<double>());
+  return {volume::Tool::from(data), static_cast<volume::Edit>(edit)};
+}
+
+Operation get(ByteReader& in) {
+  if (in.get<std::uint8_t>() != message_version) fail(ErrorKind::input, "it is of another version");
+  switch (in.get<Kind>()) {
+    case Kind::tool:
+      return get_tool(in);
+    case Kind::explosion: {
+      Explosion e;
+      e.center = get_point(in);
+      e.radius = in.get<double>();
+      e.energy = in.get<double>();
+      check(e);
+      return e;
+    }
+    case Kind::radial: {
+      Radial r;
+      r.center = get_point(in);
+      r.radius = in.get<double>();
+      for (std::size_t n = get_count(in, sizeof(double)); n > 0; --n) r.change.push_back(in.get<double>());
+      check(r);
+      return r;
+    }
+  }
+  fail(ErrorKind::input, "it is of no known kind");
+}
+
+}  // namespace
+
+Message encode(const Operation& operation) {
+  ByteWriter out;
+  out.put(message_version);
+  std::visit([&](const auto& o) { put(out, o); }, operation);
+  return std::move(out.bytes);
+}
+
+Operation decode(std::span<const std::byte> message) {
+  try {
+    ByteReader in(message);
+    Operation operation = get(in);
+    if (!in.done()) fail(ErrorKind::input, "its length is wrong");
+    return operation;
+  } catch (const Error& error) {
+    fail(ErrorKind::input, "a message of {} bytes is no edit of this program: {}", message.size(),
+         error.what());
+  }
+}
+
+}  // namespace tafoni::runtime

@@ -1,0 +1,141 @@
+#include "tafoni/runtime/journal.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/runtime/test/operations.h"
+
+namespace tafoni::runtime {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr Digest base = 0x123456789abcdef0;
+
+class EditJournal : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    root = fs::path(::testing::TempDir()) / ("tafoni_edits_" + std::to_string(::getpid()));
+    fs::remove_all(root);
+    fs::create_directories(root);
+    file = root / "a.edits";
+  }
+  void TearDown() override { fs::remove_all(root); }
+
+  std::string bytes() const {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  void set_bytes(const std::string& all) const {
+    std::ofstream(file, std::ios::binary | std::ios::trunc).write(all.data(), static_cast<long>(all.size()));
+  }
+  static std::vector<Message> messages(std::uint64_t n) {
+    std::vector<Message> out;
+    for (std::uint64_t i = 0; i < n; ++i)
+      out.push_back(encode(random_operation(i, {{-100, -100, -100}, {100, 100, 100}}, 5)));
+    return out;
+  }
+  static JournalContents parse(const std::string& all) {
+    return parse_journal(std::as_bytes(std::span(all)), "a.edits");
+  }
+  fs::path root, file;
+};
+
+TEST_F(EditJournal, GivesBackWhatWasAppended) {
+  const auto all = messages(10000);
+  const std::vector<Message> first(all.begin(), all.begin() + 10);
+  write_journal(file, base, first);
+  {
+    JournalWriter writer(file, read_journal(file));
+    for (std::size_t i = 10; i < all.size(); ++i) writer.append(all[i]);
+    writer.sync();
+  }
+  const JournalContents contents = read_journal(file);
+  EXPECT_EQ(contents.base, base);
+  EXPECT_EQ(contents.edits, all);
+  EXPECT_EQ(contents.torn, 0u);
+  EXPECT_EQ(contents.bytes, fs::file_size(file));
+  const std::string appended = bytes();
+  write_journal(file, base, all);
+  EXPECT_EQ(bytes(), appended);
+}
+
+TEST_F(EditJournal, IsCutAtTheLastWholeEdit) {
+  const auto all = messages(12);
+  write_journal(file, base, {});
+  std::vector<std::size_t> ends{bytes().size()};  // of n whole edits
+  {
+    JournalWriter writer(file, read_journal(file));
+    for (const Message& m : all) {
+      writer.append(m);
+      ends.push_back(bytes().size());
+    }
+  }
+  const std::string full = bytes();
+  for (std::size_t size = ends[0]; size <= full.size(); ++size)
+    for (const bool with_zeros : {false, true}) {
+      // Cut, or as long as it was but with the end never written.
+      std::string torn = full.substr(0, size);
+      if (with_zeros) torn.resize(full.size(), '\0');
+      std::size_t n = 0;
+      while (n < all.size() && ends[n + 1] <= size) ++n;
+      const JournalContents contents = parse(torn);
+      ASSERT_EQ(contents.edits.size(), n) << size << (with_zeros ? " with zeros" : "");
+      ASSERT_EQ(contents.torn, torn.size() - ends[n]);
+      if (size % 37 != 0) continue;
+      set_bytes(torn);
+      // Going on from there gives what never was torn.
+      JournalWriter writer(file, read_journal(file));
+      for (std::size_t i = n; i < all.size(); ++i) writer.append(all[i]);
+      ASSERT_EQ(bytes(), full);
+    }
+}
+
+TEST_F(EditJournal, EveryFlippedBitIsNoticed) {
+  const auto all = messages(60);
+  write_journal(file, base, all);
+  const std::string full = bytes();
+  for (std::size_t bit = 0; bit < 8 * full.size(); ++bit) {
+    std::string flipped = full;
+    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ (1 << (bit % 8)));
+    try {
+      parse(flipped);
+      ADD_FAILURE() << "bit " << bit << " of " << 8 * full.size();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      EXPECT_THAT(error.what(), testing::HasSubstr("a.edits"));
+    }
+  }
+}
+
+TEST_F(EditJournal, RecordsCannotBeMovedOrMixed) {
+  const auto all = messages(3);
+  write_journal(file, base, {all[0], all[1]});
+  const std::string one = bytes();
+  write_journal(file, base, {all[0]});
+  const std::size_t first = bytes().size();
+  write_journal(file, base + 1, {});
+  const std::string other_head = bytes();
+  set_bytes(one.substr(0, 32) + one.substr(first));  // edit 1 is lost
+  EXPECT_THROW(read_journal(file), Error);
+  set_bytes(other_head + one.substr(32));
+  EXPECT_THROW(read_journal(file), Error);
+}
+
+TEST_F(EditJournal, OtherFilesAreRefused) {
+  EXPECT_THROW(read_journal(file), Error);
+  for (const std::string& text : {std::string(), std::string("not a journal, but a text of some length")}) {
+    set_bytes(text);
+    EXPECT_THROW(read_journal(file), Error);
+  }
+  EXPECT_THROW(JournalWriter(root / "none" / "b.edits", {}), Error);
+  EXPECT_THROW(write_journal(root / "none" / "b.edits", base, {}), Error);
+}
+
+}  // namespace
+}  // namespace tafoni::runtime

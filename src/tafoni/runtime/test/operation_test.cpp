@@ -1,0 +1,67 @@
+#include "tafoni/runtime/operation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/runtime/test/operations.h"
+
+namespace tafoni::runtime {
+namespace {
+
+TEST(Operation, MessagesAreCanonical) {
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    const Operation operation = random_operation(i, {{500000, 4000000, -50}, {500100, 4000100, 50}}, 5);
+    const Message message = encode(operation);
+    EXPECT_EQ(encode(decode(message)), message) << i;
+  }
+}
+
+TEST(Operation, MessagesKeepEveryNumber) {
+  const auto explosion = std::get<Explosion>(decode(encode(Explosion{{1.1, -2.2, 3e6 + 0.1}, 2.5, -7.25})));
+  EXPECT_EQ(explosion.center, (Vec3d{1.1, -2.2, 3e6 + 0.1}));
+  EXPECT_EQ(explosion.radius, 2.5);
+  EXPECT_EQ(explosion.energy, -7.25);
+  const auto use = std::get<ToolUse>(
+      decode(encode(ToolUse{volume::Tool::box({1, 2, 3}, {4, 5, 6}, 0.3), volume::Edit::add})));
+  EXPECT_EQ(use.edit, volume::Edit::add);
+  EXPECT_EQ(use.tool.data(), volume::Tool::box({1, 2, 3}, {4, 5, 6}, 0.3).data());
+  const auto radial = std::get<Radial>(decode(encode(Radial{{1, 2, 3}, 4, {-3, 1, 0}})));
+  EXPECT_THAT(radial.change, testing::ElementsAre(-3, 1, 0));
+}
+
+TEST(Operation, BytesFromStrangersAreChecked) {
+  Random r(3);
+  int refused = 0;
+  for (std::uint64_t i = 0; i < 4000; ++i) {
+    Message message = encode(random_operation(i, {{-9, -9, -9}, {9, 9, 9}}, 5));
+    if (i % 2 == 0)
+      message.resize(r.below(message.size()));
+    else
+      for (std::uint64_t flips = 1 + r.below(8); flips > 0; --flips)
+        message[r.below(message.size())] ^= static_cast<std::byte>(1u << r.below(8));
+    try {
+      (void)encode(decode(message));  // other numbers may make an edit, too
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 2000);
+  EXPECT_THROW(decode({}), Error);
+  Message long_one = encode(Explosion{{0, 0, 0}, 1, 1});
+  long_one.push_back(std::byte{0});
+  EXPECT_THROW(decode(long_one), Error);
+}
+
+TEST(Operation, WhatMakesNoEditIsRefused) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(encode(Explosion{{0, 0, nan}, 1, 1}), Error);
+  EXPECT_THROW(encode(Explosion{{0, 0, 0}, 0, 1}), Error);
+  EXPECT_THROW(encode(Explosion{{0, 0, 0}, 1, nan}), Error);
+  EXPECT_THROW(encode(Radial{{0, 0, 0}, 1, {1}}), Error);
+  EXPECT_THROW(encode(Radial{{0, 0, 0}, 1, {1, nan}}), Error);
+}
+
+}  // namespace
+}  // namespace tafoni::runtime
