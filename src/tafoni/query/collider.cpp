@@ -177,8 +177,7 @@ std::optional<RayHit> Collider::ray(Vec3d from, Vec3d direction, double distance
   if (!(size > 0)) fail(ErrorKind::usage, "the ray has no direction");
   // A way without end cannot be measured in shares of itself.
   const Vec3d unit = direction * (1 / size);
-  double begin = 0, end = std::min(distance, farthest);
-  if (!clip(from, unit, {1, 1, 1}, bounds(), begin, end)) return {};
+  const double end = std::min(distance, farthest);
   struct Search {
     Vec3d from, along;
     double best = infinity;
