@@ -30,5 +30,5 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/tafoniConfig.cmake.in
                               ${CMAKE_BINARY_DIR}/tafoniConfig.cmake INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/tafoniConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/tafoniConfig.cmake ${CMAKE_BINARY_DIR}/tafoniConfigVersion.cmake
-        DESTINATION ${package_dir})
+        ${CMAKE_CURRENT_LIST_DIR}/FindOpenVDB.cmake DESTINATION ${package_dir})
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE ${CMAKE_SOURCE_DIR}/THIRD_PARTY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})

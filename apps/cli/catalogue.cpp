@@ -38,7 +38,7 @@ Topic brushes() {
 }
 
 Topic formats() {
-  Topic out{"formats", "Files of meshes and pictures, chosen by extension", {}};
+  Topic out{"formats", "Files of meshes, pictures and volumes, chosen by extension", {}};
   for (const io::FormatType* type : io::all_formats()) {
     std::string note;
     for (const std::string& extension : type->extensions) note += (note.empty() ? "." : ", .") + extension;
@@ -46,6 +46,7 @@ Topic formats() {
     if (type->write_mesh) note += " writes meshes";
     if (type->read_mesh) note += type->write_mesh ? " and reads them" : " reads meshes";
     if (type->write_image) note += " writes pictures";
+    if (type->write_volume) note += type->read_volume ? " writes volumes and reads them" : " writes volumes";
     out.entries.push_back({type->name, type->doc, type->source, note, type->params, {}});
   }
   return out;

@@ -19,6 +19,10 @@ bool able(const FormatType& format, Ability ability) {
       return format.read_mesh != nullptr;
     case Ability::write_image:
       return format.write_image != nullptr;
+    case Ability::write_volume:
+      return format.write_volume != nullptr;
+    case Ability::read_volume:
+      return format.read_volume != nullptr;
   }
   return false;
 }
@@ -29,6 +33,14 @@ std::vector<std::string> known_extensions(Ability ability) {
     if (able(*format, ability))
       known.insert(known.end(), format->extensions.begin(), format->extensions.end());
   return known;
+}
+
+const FormatType* find(std::string_view extension, Ability ability) {
+  for (const FormatType* format : all_formats())
+    if (able(*format, ability) &&
+        std::ranges::find(format->extensions, extension) != format->extensions.end())
+      return format;
+  return nullptr;
 }
 
 std::string lower_extension(const std::filesystem::path& path) {
@@ -53,13 +65,15 @@ const FormatType& find_format(std::string_view name) {
   fail(ErrorKind::usage, "There is no format '{}'; did you mean '{}'?", name, near);
 }
 
+bool can(const std::filesystem::path& path, Ability ability) {
+  return find(lower_extension(path), ability) != nullptr;
+}
+
 const FormatType& format_of(const std::filesystem::path& path, Ability ability) {
-  static constexpr const char* verbs[] = {"written as a mesh", "read as a mesh", "written as a picture"};
+  static constexpr const char* verbs[] = {"written as a mesh", "read as a mesh", "written as a picture",
+                                          "written as a volume", "read as a volume"};
   const std::string extension = lower_extension(path);
-  for (const FormatType* format : all_formats())
-    if (able(*format, ability) &&
-        std::ranges::find(format->extensions, extension) != format->extensions.end())
-      return *format;
+  if (const FormatType* format = find(extension, ability)) return *format;
   const std::vector<std::string> known = known_extensions(ability);
   const std::string near = nearest(extension, known);
   fail(ErrorKind::usage, "{}: a file with {} cannot be {}; {}known extensions: .{}.", path.string(),
@@ -96,6 +110,23 @@ void write_image(const std::filesystem::path& path, const raster::Image& image) 
   AtomicFile file(path);
   format.write_image(file, image);
   file.commit();
+}
+
+void write_volume(const std::filesystem::path& path, const Volume& volume, Progress& progress) {
+  const FormatType& format = format_of(path, Ability::write_volume);
+  AtomicFile file(path);
+  const Vec3i chunks = volume.grid.chunks();
+  progress.begin("writing " + path.filename().string(),
+                 static_cast<std::uint64_t>(std::int64_t{chunks.x} * chunks.y * chunks.z), "chunks");
+  format.write_volume(file, volume, progress);
+  file.commit();
+  progress.end();
+}
+
+Volume read_volume(const std::filesystem::path& path, Progress& progress) {
+  const FormatType& format = format_of(path, Ability::read_volume);
+  const impl::MappedFile file(path);
+  return format.read_volume(file.bytes(), path.string(), progress);
 }
 
 }  // namespace tafoni::io

@@ -1,5 +1,5 @@
 #pragma once
-// Files of meshes and pictures, by extension. A format is one file in formats/.
+// Files of meshes, pictures and volumes, by extension. A format is one file in formats/.
 
 #include <cstddef>
 #include <filesystem>
@@ -13,14 +13,22 @@
 #include "tafoni/core/progress.h"
 #include "tafoni/mesh/mesh.h"
 #include "tafoni/raster/image.h"
+#include "tafoni/volume/scalar_grid.h"
 
 namespace tafoni::io {
 
-/// What a mesh file says besides its geometry, as far as its format can.
+/// What the file of a mesh or a volume says besides its geometry, as far as its format can.
 struct MeshMetadata {
   std::string name = "terrain";
   std::string crs;   ///< WKT or "EPSG:…"; empty when unknown
   Values generator;  ///< how it was made: scene parameters, seed, versions
+};
+
+/// A sampled field with its place in the world.
+struct Volume {
+  volume::ScalarGrid grid;
+  Vec3d origin;  ///< world position of local zero
+  MeshMetadata metadata;
 };
 
 /// One file format. A function that the format lacks is null.
@@ -35,6 +43,10 @@ struct FormatType {
   /// Reads a whole file that lies in memory. `file` is for error texts. Throws Error{input}.
   mesh::Mesh (*read_mesh)(std::span<const std::byte> bytes, std::string_view file) = nullptr;
   void (*write_image)(AtomicFile&, const raster::Image&) = nullptr;
+  /// Writes the whole file; the caller commits it. Throws Error{output}.
+  void (*write_volume)(AtomicFile&, const Volume&, Progress&) = nullptr;
+  /// Like read_mesh. Every sample is finite.
+  Volume (*read_volume)(std::span<const std::byte> bytes, std::string_view file, Progress&) = nullptr;
 };
 
 /// Every format, sorted by name; the table is written by CMake from the folder's files: formats/NAME.cpp
@@ -44,7 +56,9 @@ std::span<const FormatType* const> all_formats();
 const FormatType& find_format(std::string_view name);
 
 /// What a format is wanted for.
-enum class Ability { write_mesh, read_mesh, write_image };
+enum class Ability { write_mesh, read_mesh, write_image, write_volume, read_volume };
+/// Whether some format of `path`'s extension can.
+bool can(const std::filesystem::path& path, Ability ability);
 /// The format of `path` by its extension. Throws Error{usage} that lists the extensions that can.
 const FormatType& format_of(const std::filesystem::path& path, Ability ability);
 
@@ -56,5 +70,9 @@ void write_mesh(const std::filesystem::path& path, const mesh::Mesh& mesh, const
 mesh::Mesh read_mesh(const std::filesystem::path& path);
 /// Writes beside `path` and renames. Throws Error{output}.
 void write_image(const std::filesystem::path& path, const raster::Image& image);
+/// Writes beside `path` and renames. Throws Error{output}.
+void write_volume(const std::filesystem::path& path, const Volume& volume, Progress& progress = silent());
+/// Throws Error{input}: missing, truncated, damaged, or a grid that cannot be held.
+Volume read_volume(const std::filesystem::path& path, Progress& progress = silent());
 
 }  // namespace tafoni::io

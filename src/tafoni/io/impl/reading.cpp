@@ -24,7 +24,7 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
   if (size_ > 0) data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, fd, 0);
   const int mapped = errno;
   ::close(fd);
-  if (!regular) fail(ErrorKind::input, "{}: not a regular file; give a mesh file.", path.string());
+  if (!regular) fail(ErrorKind::input, "{}: not a regular file; give the path of a file.", path.string());
   if (size_ == 0) fail(ErrorKind::input, "{}: the file is empty; write it again.", path.string());
   if (data_ == MAP_FAILED)
     fail(ErrorKind::input, "{}: cannot be read ({}).", path.string(), std::strerror(mapped));

@@ -1,0 +1,336 @@
+// Tafoni's own file of a volume. Little-endian:
+//   0  "TAFONVOL"
+//   8  u32 version, u32 bytes a sample (4 or 2)
+//  16  f64 x 3 world position of local zero, f64 x 3 position of sample (0, 0, 0), f64 spacing
+//  72  i32 x 3 samples a side, u32 samples a side of a chunk
+//  88  u64 bytes of the text, u64 bytes of the chunk table as stored
+// 104  u64 hash of all that stands before the chunks' data, without itself
+// 112  the text: JSON of name, crs and generator
+//      the table, compressed: for each chunk, x fastest, u32 bytes of its data (0: all samples alike), f32
+//      value the data of the chunks that are not alike, in the same order
+// A chunk's samples are taken as integers in the order of their values, differenced along x, y and z, split
+// into planes of bytes, and compressed by zstd, with its checksum.
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <zstd.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+#include "tafoni/io/format.h"
+#include "tafoni/io/impl/reading.h"
+#include "tafoni/io/impl/volume_chunks.h"
+#include "tafoni/io/impl/writing.h"
+#include "tafoni/math/half.h"
+
+namespace tafoni::io {
+namespace {
+
+using volume::Precision;
+using volume::ScalarGrid;
+
+constexpr std::string_view magic = "TAFONVOL";
+constexpr std::uint32_t version = 1;
+constexpr std::size_t hash_at = 104, header_bytes = 112;
+constexpr int level = 3;
+
+struct TableEntry {
+  std::uint32_t bytes;
+  float value;
+};
+static_assert(sizeof(TableEntry) == 8);
+
+/// FNV-1a.
+std::uint64_t hash_of(std::span<const std::byte> bytes, std::uint64_t hash = 0xcbf29ce484222325ull) {
+  for (const std::byte b : bytes) hash = (hash ^ std::to_integer<std::uint64_t>(b)) * 0x100000001b3ull;
+  return hash;
+}
+
+std::span<const std::byte> bytes_of(std::string_view text) {
+  return std::as_bytes(std::span(text.data(), text.size()));
+}
+
+/// A sample as an integer whose order is that of the values. One to one, so that every bit comes back.
+template <class T>
+T ordered(T bits) {
+  constexpr T sign = T(T(1) << (8 * sizeof(T) - 1));
+  return static_cast<T>(bits & sign ? ~bits : bits | sign);
+}
+template <class T>
+T from_ordered(T v) {
+  constexpr T sign = T(T(1) << (8 * sizeof(T) - 1));
+  return static_cast<T>(v & sign ? v ^ sign : ~v);
+}
+
+/// Small differences of either sign as small numbers.
+template <class T>
+T zigzag(T v) {
+  return static_cast<T>(T(v << 1) ^ T(v >> (8 * sizeof(T) - 1) ? ~T(0) : T(0)));
+}
+template <class T>
+T unzigzag(T v) {
+  return static_cast<T>(T(v >> 1) ^ (v & 1 ? ~T(0) : T(0)));
+}
+
+/// Differences along the axis whose samples lie `stride` apart, in place; modulo 2^n, so nothing is lost.
+template <class T>
+void difference(std::vector<T>& v, std::size_t stride, std::size_t n) {
+  const std::size_t plane = stride * n;
+  for (std::size_t begin = 0; begin < v.size(); begin += plane)
+    for (std::size_t i = begin + plane; i-- > begin + stride;) v[i] = static_cast<T>(v[i] - v[i - stride]);
+}
+template <class T>
+void add_up(std::vector<T>& v, std::size_t stride, std::size_t n) {
+  const std::size_t plane = stride * n;
+  for (std::size_t begin = 0; begin < v.size(); begin += plane)
+    for (std::size_t i = begin + stride; i < begin + plane; ++i) v[i] = static_cast<T>(v[i] + v[i - stride]);
+}
+
+struct Sides {
+  std::size_t x, y, z;
+  explicit Sides(Vec3i n)
+      : x(static_cast<std::size_t>(n.x)),
+        y(static_cast<std::size_t>(n.y)),
+        z(static_cast<std::size_t>(n.z)) {}
+};
+
+std::uint32_t to_bits(float v, std::uint32_t) {
+  return std::bit_cast<std::uint32_t>(v);
+}
+std::uint16_t to_bits(float v, std::uint16_t) {
+  return to_half(v);
+}
+float to_value(std::uint32_t bits) {
+  return std::bit_cast<float>(bits);
+}
+float to_value(std::uint16_t bits) {
+  return from_half(bits);
+}
+
+template <class T>
+std::string encode(const std::vector<float>& values, Vec3i size) {
+  std::vector<T> v(values.size());
+  for (std::size_t i = 0; i < v.size(); ++i) v[i] = ordered(to_bits(values[i], T()));
+  const Sides n(size);
+  difference(v, 1, n.x);
+  difference(v, n.x, n.y);
+  difference(v, n.x * n.y, n.z);
+  std::string planes(v.size() * sizeof(T), '\0');
+  for (std::size_t b = 0; b < sizeof(T); ++b)
+    for (std::size_t i = 0; i < v.size(); ++i)
+      planes[b * v.size() + i] = static_cast<char>(zigzag(v[i]) >> (8 * b) & 0xff);
+  return planes;
+}
+
+template <class T>
+void decode(const std::vector<std::byte>& planes, Vec3i size, std::vector<float>& values) {
+  std::vector<T> v(values.size());
+  for (std::size_t b = 0; b < sizeof(T); ++b)
+    for (std::size_t i = 0; i < v.size(); ++i)
+      v[i] = static_cast<T>(v[i] | std::to_integer<T>(planes[b * v.size() + i]) << (8 * b));
+  for (T& d : v) d = unzigzag(d);
+  const Sides n(size);
+  add_up(v, n.x * n.y, n.z);
+  add_up(v, n.x, n.y);
+  add_up(v, 1, n.x);
+  for (std::size_t i = 0; i < v.size(); ++i) values[i] = to_value(from_ordered(v[i]));
+}
+
+std::string compressed(std::string_view raw) {
+  ZSTD_CCtx* context = ZSTD_createCCtx();
+  ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, level);
+  ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, 1);
+  std::string out(ZSTD_compressBound(raw.size()), '\0');
+  const std::size_t n = ZSTD_compress2(context, out.data(), out.size(), raw.data(), raw.size());
+  ZSTD_freeCCtx(context);
+  if (ZSTD_isError(n)) fail(ErrorKind::internal, "zstd: {}", ZSTD_getErrorName(n));
+  out.resize(n);
+  return out;
+}
+
+/// Exactly out.size() bytes; false when they are not in `in`.
+bool decompress(std::span<const std::byte> in, std::span<std::byte> out) {
+  return ZSTD_decompress(out.data(), out.size(), in.data(), in.size()) == out.size();
+}
+
+std::string text_of(const MeshMetadata& metadata) {
+  nlohmann::json json = {{"name", metadata.name}, {"crs", metadata.crs}};
+  json["generator"] = nlohmann::json::parse(impl::generator_json(metadata.generator));
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string header_of(const Volume& volume, std::size_t text, std::size_t table) {
+  const volume::GridFrame& frame = volume.grid.frame();
+  std::string out(magic);
+  impl::put(out, version);
+  impl::put(out, std::uint32_t{volume.grid.precision() == Precision::half ? 2u : 4u});
+  impl::put(out, volume.origin);
+  impl::put(out, frame.origin);
+  impl::put(out, frame.spacing);
+  impl::put(out, frame.size);
+  impl::put(out, std::uint32_t{ScalarGrid::chunk_samples});
+  impl::put(out, std::uint64_t{text});
+  impl::put(out, std::uint64_t{table});
+  return out;
+}
+
+std::string encoded(const ScalarGrid& grid, std::int64_t index) {
+  const volume::SampleBox box = impl::chunk_box(grid, index);
+  const Vec3i n = box.size();
+  std::vector<float> values(static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) *
+                            static_cast<std::size_t>(n.z));
+  grid.read(box, values.data());
+  return compressed(grid.precision() == Precision::half ? encode<std::uint16_t>(values, n)
+                                                        : encode<std::uint32_t>(values, n));
+}
+
+void write(AtomicFile& out, const Volume& volume, Progress& progress) {
+  const ScalarGrid& grid = volume.grid;
+  const std::int64_t total = impl::chunk_count(grid);
+  std::vector<TableEntry> table(static_cast<std::size_t>(total));
+  std::vector<std::string> data(table.size());
+  parallel_for(
+      total,
+      [&](std::int64_t i) {
+        TableEntry& entry = table[static_cast<std::size_t>(i)];
+        entry = {0, 0};
+        if (grid.uniform(impl::chunk_place(grid, i), &entry.value)) return;
+        std::string& chunk = data[static_cast<std::size_t>(i)];
+        chunk = encoded(grid, i);
+        entry.bytes = static_cast<std::uint32_t>(chunk.size());
+      },
+      progress);
+  const std::string text = text_of(volume.metadata);
+  const std::string packed =
+      compressed({reinterpret_cast<const char*>(table.data()), table.size() * sizeof(TableEntry)});
+  std::string head = header_of(volume, text.size(), packed.size());
+  impl::put(head, hash_of(bytes_of(packed), hash_of(bytes_of(text), hash_of(bytes_of(head)))));
+  out.write(head);
+  out.write(text);
+  out.write(packed);
+  for (const std::string& chunk : data) out.write(chunk);
+}
+
+/// A file's parts, checked.
+class Reader {
+ public:
+  Reader(std::span<const std::byte> bytes, std::string_view file) : bytes_(bytes), file_(file) {
+    if (bytes.size() < header_bytes || impl::as_text(bytes).substr(0, magic.size()) != magic)
+      fail(ErrorKind::input,
+           "{}: does not begin as a volume of tafoni does; it is of another format or cut off.", file);
+    if (const auto v = impl::load<std::uint32_t>(bytes, 8); v != version)
+      fail(ErrorKind::input, "{}: has version {} of the format, and this program reads {}; use a newer one.",
+           file, v, version);
+    const auto text = impl::load<std::uint64_t>(bytes, 88), table = impl::load<std::uint64_t>(bytes, 96);
+    const std::uint64_t left = bytes.size() - header_bytes;
+    if (text > left || table > left - text) damaged("it is cut off");
+    text_ = bytes.subspan(header_bytes, text);
+    table_ = bytes.subspan(header_bytes + text, table);
+    data_ = bytes.subspan(header_bytes + text + table);
+    if (hash_of(table_, hash_of(text_, hash_of(bytes.first(hash_at)))) !=
+        impl::load<std::uint64_t>(bytes, hash_at))
+      damaged("its header does not match its checksum");
+  }
+
+  Volume read(Progress& progress) {
+    const auto sample = impl::load<std::uint32_t>(bytes_, 12);
+    if ((sample != 2 && sample != 4) || impl::load<std::uint32_t>(bytes_, 84) != ScalarGrid::chunk_samples)
+      damaged("its header says what cannot be");
+    volume::GridFrame frame;
+    frame.origin = impl::load<Vec3d>(bytes_, 40);
+    frame.spacing = impl::load<double>(bytes_, 64);
+    frame.size = impl::load<Vec3i>(bytes_, 72);
+    Volume out{make_grid(frame, sample == 2 ? Precision::half : Precision::single),
+               impl::load<Vec3d>(bytes_, 16), metadata()};
+    const std::vector<TableEntry> table = read_table(impl::chunk_count(out.grid));
+    std::vector<std::uint64_t> starts(table.size() + 1);
+    for (std::size_t i = 0; i < table.size(); ++i) starts[i + 1] = starts[i] + table[i].bytes;
+    if (starts.back() != data_.size()) damaged("it is cut off or something was appended");
+    progress.begin("reading " + std::string(file_), table.size(), "chunks");
+    impl::fill_chunks(
+        out.grid, file_,
+        [&](std::int64_t index, impl::ChunkValues& chunk) {
+          const auto i = static_cast<std::size_t>(index);
+          if (table[i].bytes == 0)
+            chunk.same = table[i].value;
+          else
+            unpack(data_.subspan(starts[i], table[i].bytes), sample, impl::chunk_box(out.grid, index).size(),
+                   chunk.values);
+        },
+        progress);
+    progress.end();
+    return out;
+  }
+
+ private:
+  [[noreturn]] void damaged(std::string_view what) const {
+    fail(ErrorKind::input, "{}: the file is damaged: {}; write it again.", file_, what);
+  }
+
+  ScalarGrid make_grid(const volume::GridFrame& frame, Precision precision) const {
+    try {
+      return ScalarGrid(frame, 0, precision);
+    } catch (const Error& error) {
+      fail(ErrorKind::input, "{}: {}", file_, error.what());
+    }
+  }
+
+  MeshMetadata metadata() const {
+    MeshMetadata out;
+    const auto json = nlohmann::json::parse(impl::as_text(text_), nullptr, false);
+    if (!json.is_object()) damaged("its text cannot be read");
+    const auto text = [&](const char* key) {
+      return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();
+    };
+    out.name = text("name");
+    out.crs = text("crs");
+    if (json.contains("generator")) out.generator = impl::generator_values(json["generator"].dump());
+    return out;
+  }
+
+  std::vector<TableEntry> read_table(std::int64_t chunks) const {
+    std::vector<TableEntry> table(static_cast<std::size_t>(chunks));
+    if (!decompress(table_, std::as_writable_bytes(std::span(table))))
+      damaged("its table of chunks cannot be read");
+    return table;
+  }
+
+  void unpack(std::span<const std::byte> packed, std::uint32_t sample, Vec3i size,
+              std::vector<float>& values) const {
+    std::vector<std::byte> planes(values.size() * sample);
+    if (!decompress(packed, planes)) damaged("a chunk cannot be read");
+    if (sample == 2)
+      decode<std::uint16_t>(planes, size, values);
+    else
+      decode<std::uint32_t>(planes, size, values);
+  }
+
+  std::span<const std::byte> bytes_, text_, table_, data_;
+  std::string_view file_;
+};
+
+Volume read(std::span<const std::byte> bytes, std::string_view file, Progress& progress) {
+  return Reader(bytes, file).read(progress);
+}
+
+}  // namespace
+
+const FormatType& format_tvol() {
+  static const FormatType type{.name = "tvol",
+                               .doc = "Volumes of tafoni: every bit, in chunks, compressed, with checksums",
+                               .source = "the layout stands at the head of io/formats/tvol.cpp",
+                               .extensions = {"tvol"},
+                               .params = {},
+                               .write_volume = write,
+                               .read_volume = read};
+  return type;
+}
+
+}  // namespace tafoni::io

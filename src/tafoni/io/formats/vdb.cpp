@@ -1,0 +1,406 @@
+// OpenVDB level sets. There inside is negative, here rock is positive, so values change sign on the way. The
+// only file that knows OpenVDB, whose headers take long to compile.
+
+#include <string>
+
+#include "tafoni/core/error.h"
+#include "tafoni/io/format.h"
+
+#ifdef TAFONI_OPENVDB
+
+#include <algorithm>
+#include <cmath>
+#include <istream>
+#include <optional>
+#include <streambuf>
+#include <vector>
+
+#include <openvdb/io/Stream.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Prune.h>
+
+#include "tafoni/io/impl/reading.h"
+#include "tafoni/io/impl/volume_chunks.h"
+
+namespace tafoni::io {
+namespace {
+
+using openvdb::Coord;
+using openvdb::FloatGrid;
+using Leaf = FloatGrid::TreeType::LeafNodeType;
+using volume::Precision;
+using volume::SampleBox;
+using volume::ScalarGrid;
+
+constexpr int block = Leaf::DIM;  // 8
+static_assert(ScalarGrid::chunk_samples % block == 0);
+constexpr const char *size_key = "tafoni_size", *origin_key = "tafoni_origin", *local_key = "tafoni_local",
+                     *crs_key = "crs", *generator_key = "tafoni_generator";
+
+/// Registers OpenVDB's types, once.
+void initialize() {
+  static const bool done = (openvdb::initialize(), true);
+  static_cast<void>(done);
+}
+
+/// Runs work and says what OpenVDB throws as one sentence.
+template <class Work>
+auto guarded(ErrorKind kind, std::string_view file, const Work& work) {
+  try {
+    initialize();
+    return work();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    fail(kind, "{}: does not fit into memory.", file);
+  } catch (const std::exception& error) {
+    fail(kind, "{}: OpenVDB says: {}; the file is damaged or cut off, or the disk is full.", file,
+         error.what());
+  }
+}
+
+// Writing.
+
+struct TreeWriter {
+  FloatGrid::TreeType& tree;
+  float background;
+
+  /// A chunk's samples, read into `values`, as leaves where they differ and as tiles where they do not.
+  void add(const SampleBox& box, const std::vector<float>& values) {
+    for (int z = box.lo.z; z <= box.hi.z; z += block)
+      for (int y = box.lo.y; y <= box.hi.y; y += block)
+        for (int x = box.lo.x; x <= box.hi.x; x += block) add_block(box, {x, y, z}, values);
+  }
+
+  void fill(const SampleBox& box, float value) {
+    if (-value == background) return;
+    const openvdb::CoordBBox where(box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z);
+    tree.fill(where, -value, std::abs(value) < background);
+  }
+
+ private:
+  void add_block(const SampleBox& box, Vec3i lo, const std::vector<float>& values) {
+    const Vec3i n = box.size(), hi{std::min(lo.x + block - 1, box.hi.x), std::min(lo.y + block - 1, box.hi.y),
+                                   std::min(lo.z + block - 1, box.hi.z)};
+    const auto row = [&](int y, int z) {
+      return values.data() + (static_cast<std::ptrdiff_t>(z - box.lo.z) * n.y + (y - box.lo.y)) * n.x +
+             (lo.x - box.lo.x);
+    };
+    const float first = *row(lo.y, lo.z);
+    bool same = true;
+    for (int z = lo.z; z <= hi.z && same; ++z)
+      for (int y = lo.y; y <= hi.y && same; ++y)
+        same = std::all_of(row(y, z), row(y, z) + (hi.x - lo.x + 1), [&](float v) { return v == first; });
+    if (same) return fill({lo, hi}, first);
+    // Where the frame ends inside the leaf, the rest is as what lies beyond: outside.
+    auto* leaf = new Leaf(Coord(lo.x, lo.y, lo.z), background);
+    for (int z = lo.z; z <= hi.z; ++z)
+      for (int y = lo.y; y <= hi.y; ++y)
+        for (int x = lo.x; x <= hi.x; ++x) {
+          const float v = -row(y, z)[x - lo.x];
+          const openvdb::Index at = Leaf::coordToOffset(Coord(x, y, z));
+          if (std::abs(v) < background)
+            leaf->setValueOn(at, v);
+          else
+            leaf->setValueOff(at, v);
+        }
+    tree.addLeaf(leaf);
+  }
+};
+
+FloatGrid::Ptr to_vdb(const Volume& volume, Progress& progress) {
+  const ScalarGrid& grid = volume.grid;
+  const volume::GridFrame& frame = grid.frame();
+  const Interval range = grid.range(frame.box());
+  const float most = std::max(std::abs(range.lo), std::abs(range.hi));
+  const float background = most > 0 ? most : static_cast<float>(frame.spacing);
+  auto out = FloatGrid::create(background);
+  TreeWriter writer{out->tree(), background};
+  std::vector<float> values(std::size_t{ScalarGrid::chunk_samples} * ScalarGrid::chunk_samples *
+                            ScalarGrid::chunk_samples);
+  for (std::int64_t i = 0; i < impl::chunk_count(grid); ++i) {
+    const SampleBox box = impl::chunk_box(grid, i);
+    float same = 0;
+    if (grid.uniform(impl::chunk_place(grid, i), &same)) {
+      writer.fill(box, same);
+    } else {
+      grid.read(box, values.data());
+      writer.add(box, values);
+    }
+    progress.advance();
+  }
+  openvdb::tools::prune(out->tree());
+  const Vec3d at = volume.origin + frame.origin;
+  auto transform = openvdb::math::Transform::createLinearTransform(frame.spacing);
+  transform->postTranslate({at.x, at.y, at.z});
+  out->setTransform(transform);
+  out->setGridClass(openvdb::GRID_LEVEL_SET);
+  out->setName("surface");
+  out->setSaveFloatAsHalf(grid.precision() == Precision::half);
+  out->insertMeta(size_key, openvdb::Vec3IMetadata({frame.size.x, frame.size.y, frame.size.z}));
+  out->insertMeta(origin_key, openvdb::Vec3DMetadata({volume.origin.x, volume.origin.y, volume.origin.z}));
+  out->insertMeta(local_key, openvdb::Vec3DMetadata({frame.origin.x, frame.origin.y, frame.origin.z}));
+  return out;
+}
+
+void write(AtomicFile& out, const Volume& volume, Progress& progress) {
+  guarded(ErrorKind::output, out.path().string(), [&] {
+    const FloatGrid::Ptr grid = to_vdb(volume, progress);
+    openvdb::MetaMap meta;
+    const MeshMetadata& metadata = volume.metadata;
+    meta.insertMeta("creator", openvdb::StringMetadata("tafoni"));
+    meta.insertMeta("name", openvdb::StringMetadata(metadata.name));
+    meta.insertMeta(crs_key, openvdb::StringMetadata(metadata.crs));
+    meta.insertMeta(generator_key, openvdb::StringMetadata(impl::generator_json(metadata.generator)));
+    openvdb::io::File file(out.path().string());
+    file.write({grid}, meta);
+    file.close();
+  });
+}
+
+// Reading.
+
+/// A file in memory, as OpenVDB wants to read it.
+class Bytes : public std::streambuf {
+ public:
+  explicit Bytes(std::span<const std::byte> bytes) {
+    char* begin = const_cast<char*>(reinterpret_cast<const char*>(bytes.data()));  // it is only read
+    setg(begin, begin, begin + bytes.size());
+  }
+
+ private:
+  pos_type seekoff(off_type by, std::ios_base::seekdir from, std::ios_base::openmode) override {
+    const off_type base = from == std::ios_base::beg   ? 0
+                          : from == std::ios_base::cur ? gptr() - eback()
+                                                       : egptr() - eback();
+    return seekpos(base + by, std::ios_base::in);
+  }
+  pos_type seekpos(pos_type to, std::ios_base::openmode) override {
+    if (to < pos_type(0) || to > pos_type(egptr() - eback())) return pos_type(off_type(-1));
+    setg(eback(), eback() + off_type(to), egptr());
+    return to;
+  }
+};
+
+/// The grid to read: a level set, or one with a usual name, or the first.
+FloatGrid::Ptr chosen(const openvdb::GridPtrVec& grids, std::string_view file) {
+  FloatGrid::Ptr best;
+  int rank = -1;
+  std::string others;
+  for (const auto& base : grids) {
+    const auto grid = openvdb::gridPtrCast<FloatGrid>(base);
+    if (!grid) {
+      others += (others.empty() ? "" : ", ") + base->valueType();
+      continue;
+    }
+    const std::string name = grid->getName();
+    const int own = grid->getGridClass() == openvdb::GRID_LEVEL_SET ? 2
+                    : name == "surface" || name == "density"        ? 1
+                                                                    : 0;
+    if (own > rank) best = grid, rank = own;
+  }
+  if (!best)
+    fail(ErrorKind::input, "{}: holds no grid of floats{}; write one as a level set or a fog volume.", file,
+         others.empty() ? "" : " but of " + others);
+  return best;
+}
+
+/// OpenVDB's value as ours.
+struct Convert {
+  float scale = -1, middle = 0;
+  float operator()(float v) const { return (v - middle) * scale; }
+};
+
+/// A level set's values change sign. A fog's surface is where it is half dense, with values of at most a
+/// cell. A grid of no class is a level set if it has negative values, else a fog.
+Convert converter(const FloatGrid& grid, double spacing) {
+  bool fog = grid.getGridClass() == openvdb::GRID_FOG_VOLUME;
+  if (!fog && grid.getGridClass() != openvdb::GRID_LEVEL_SET) {
+    fog = grid.background() >= 0;
+    for (auto value = grid.cbeginValueOn(); value && fog; ++value) fog = *value >= 0;
+  }
+  return fog ? Convert{static_cast<float>(2 * spacing), 0.5f} : Convert{};
+}
+
+/// Where the samples lie: index `first` of the file's is sample (0, 0, 0).
+struct Place {
+  volume::GridFrame frame;
+  Vec3d origin;
+  Coord first{0, 0, 0};
+};
+
+Vec3d vector(const openvdb::Vec3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+double spacing_of(const FloatGrid& grid, std::string_view file) {
+  const openvdb::math::Transform& transform = grid.transform();
+  bool plain = transform.isLinear();
+  double spacing = 0;
+  if (plain) {
+    const openvdb::Mat4d m = transform.baseMap()->getAffineMap()->getMat4();
+    spacing = m[0][0];
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k)
+        plain = plain && std::abs(m[i][k] - (i == k ? spacing : 0)) <= 1e-6 * std::abs(spacing);
+    plain = plain && spacing > 0 && std::isfinite(spacing);
+  }
+  if (!plain)
+    fail(ErrorKind::input,
+         "{}: its grid is turned, mirrored or has cells of unequal sides; resample it to cubes along the "
+         "axes.",
+         file);
+  return spacing;
+}
+
+Place place_of(const FloatGrid& grid, std::string_view file) {
+  Place place;
+  place.frame.spacing = spacing_of(grid, file);
+  const auto size = grid.getMetadata<openvdb::Vec3IMetadata>(size_key);
+  const auto origin = grid.getMetadata<openvdb::Vec3DMetadata>(origin_key);
+  const auto local = grid.getMetadata<openvdb::Vec3DMetadata>(local_key);
+  if (size && origin && local) {
+    place.frame.size = {size->value().x(), size->value().y(), size->value().z()};
+    place.frame.origin = vector(local->value());
+    place.origin = vector(origin->value());
+    // Another program may have moved the grid.
+    const Vec3d at = vector(grid.indexToWorld(Coord(0, 0, 0)));
+    if (length(at - (place.origin + place.frame.origin)) > 1e-6 * place.frame.spacing)
+      place.origin = at - place.frame.origin;
+    return place;
+  }
+  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
+  if (box.empty()) fail(ErrorKind::input, "{}: its grid has no active voxels, so it holds no surface.", file);
+  // A cell of what lies around closes the surface; beginning at a leaf keeps chunks and leaves in step.
+  const auto down = [](int v) { return (v - 1) & ~(block - 1); };
+  place.first = Coord(down(box.min().x()), down(box.min().y()), down(box.min().z()));
+  const Coord last = box.max().offsetBy(1);
+  const auto count = [&](int axis) { return static_cast<double>(last[axis]) - place.first[axis] + 1; };
+  if (count(0) * count(1) * count(2) > 0x1p40)
+    fail(ErrorKind::input, "{}: its active voxels span {} x {} x {}; at most 2^40 can be held.", file,
+         count(0), count(1), count(2));
+  place.frame.size = {last.x() - place.first.x() + 1, last.y() - place.first.y() + 1,
+                      last.z() - place.first.z() + 1};
+  place.origin = vector(grid.indexToWorld(place.first));
+  return place;
+}
+
+/// Reads chunks; one a thread at a time.
+class TreeReader {
+ public:
+  TreeReader(const FloatGrid& grid, Convert convert, Coord first)
+      : accessor_(grid.getConstAccessor()), convert_(convert), first_(first) {}
+
+  void read(const SampleBox& box, impl::ChunkValues& chunk) {
+    const Vec3i n = box.size();
+    std::optional<float> same;
+    bool alike = true;
+    for (int z = box.lo.z; z <= box.hi.z; z += block)
+      for (int y = box.lo.y; y <= box.hi.y; y += block)
+        for (int x = box.lo.x; x <= box.hi.x; x += block) {
+          const std::optional<float> tile = read_block(box, n, {x, y, z}, chunk.values);
+          alike = alike && tile && (!same || *same == *tile);
+          same = tile;
+        }
+    if (alike) chunk.same = same;
+  }
+
+ private:
+  /// The value of the whole block where it is a tile.
+  std::optional<float> read_block(const SampleBox& box, Vec3i n, Vec3i lo, std::vector<float>& out) {
+    const Coord at(lo.x + first_.x(), lo.y + first_.y(), lo.z + first_.z());
+    const Leaf* leaf = accessor_.probeConstLeaf(at);
+    const float tile = leaf ? 0 : convert_(accessor_.getValue(at));
+    for (int z = lo.z; z <= std::min(lo.z + block - 1, box.hi.z); ++z)
+      for (int y = lo.y; y <= std::min(lo.y + block - 1, box.hi.y); ++y)
+        for (int x = lo.x; x <= std::min(lo.x + block - 1, box.hi.x); ++x) {
+          const auto index = static_cast<std::size_t>(
+              (static_cast<std::ptrdiff_t>(z - box.lo.z) * n.y + (y - box.lo.y)) * n.x + (x - box.lo.x));
+          out[index] =
+              leaf ? convert_(leaf->getValue(Leaf::coordToOffset(at.offsetBy(x - lo.x, y - lo.y, z - lo.z))))
+                   : tile;
+        }
+    return leaf ? std::nullopt : std::optional<float>(tile);
+  }
+
+  FloatGrid::ConstAccessor accessor_;
+  Convert convert_;
+  Coord first_;
+};
+
+MeshMetadata metadata_of(const openvdb::MetaMap& meta) {
+  MeshMetadata out;
+  const auto text = [&](const char* key) {
+    const auto found = meta.getMetadata<openvdb::StringMetadata>(key);
+    return found ? found->value() : std::string();
+  };
+  out.name = text("name");
+  out.crs = text(crs_key);
+  out.generator = impl::generator_values(text(generator_key));
+  return out;
+}
+
+Volume read(std::span<const std::byte> bytes, std::string_view file, Progress& progress) {
+  return guarded(ErrorKind::input, file, [&] {
+    Bytes buffer(bytes);
+    std::istream in(&buffer);
+    // OpenVDB goes on with what it could not read, as sizes.
+    in.exceptions(std::ios_base::badbit | std::ios_base::failbit | std::ios_base::eofbit);
+    openvdb::io::Stream stream(in, false);
+    const FloatGrid::Ptr grid = chosen(*stream.getGrids(), file);
+    const Place place = place_of(*grid, file);
+    const Convert convert = converter(*grid, place.frame.spacing);
+    Volume out{ScalarGrid(place.frame, convert(grid->background()),
+                          grid->saveFloatAsHalf() ? Precision::half : Precision::single),
+               place.origin, metadata_of(*stream.getMetadata())};
+    progress.begin("reading " + std::string(file), static_cast<std::uint64_t>(impl::chunk_count(out.grid)),
+                   "chunks");
+    impl::fill_chunks(
+        out.grid, file,
+        [&](std::int64_t index, impl::ChunkValues& chunk) {
+          TreeReader(*grid, convert, place.first).read(impl::chunk_box(out.grid, index), chunk);
+        },
+        progress);
+    progress.end();
+    return out;
+  });
+}
+
+}  // namespace
+}  // namespace tafoni::io
+
+#else
+
+namespace tafoni::io {
+namespace {
+
+constexpr const char* missing =
+    "this build has no OpenVDB, so it neither reads nor writes .vdb; use .tvol, or build with libopenvdb-dev";
+
+void write(AtomicFile&, const Volume&, Progress&) {
+  fail(ErrorKind::output, "{}", missing);
+}
+Volume read(std::span<const std::byte>, std::string_view file, Progress&) {
+  fail(ErrorKind::input, "{}: {}", file, missing);
+}
+
+}  // namespace
+}  // namespace tafoni::io
+
+#endif
+
+namespace tafoni::io {
+
+const FormatType& format_vdb() {
+  static const FormatType type{
+      .name = "vdb",
+      .doc = "OpenVDB, as a level set (negative in rock) named surface; reads fog volumes too",
+      .source = "OpenVDB 10",
+      .extensions = {"vdb"},
+      .params = {},
+      .write_volume = write,
+      .read_volume = read};
+  return type;
+}
+
+}  // namespace tafoni::io

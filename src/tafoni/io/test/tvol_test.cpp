@@ -1,0 +1,116 @@
+// Every bit of a volume comes back; a damaged file gives one sentence.
+
+#include <cstring>
+#include <limits>
+
+#include <gmock/gmock.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/io/test/volumes.h"
+
+namespace tafoni::io {
+namespace {
+
+using testing::HasSubstr;
+using volume::Precision;
+
+using Tvol = VolumeFiles;
+
+std::string sentence(std::string_view bytes) {
+  try {
+    find_format("tvol").read_volume(std::as_bytes(std::span(bytes.data(), bytes.size())), "test", silent());
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::input);
+    return error.what();
+  }
+  return {};
+}
+
+TEST_F(Tvol, EveryBitComesBack) {
+  for (const Precision precision : {Precision::single, Precision::half}) {
+    Volume volume = hollow_ball(precision);
+    // What no field gives, but a grid can hold.
+    volume.grid.edit({{40, 40, 20}, {60, 60, 40}}, [](Vec3i first, std::span<float> row) {
+      constexpr float odd[] = {0.0f, -0.0f, 1e-42f, -6e-8f, 65504, -1e-3f, 6e4f};
+      for (std::size_t i = 0; i < row.size(); ++i)
+        row[i] = odd[(i + static_cast<std::size_t>(first.y) * 3 + static_cast<std::size_t>(first.z)) % 7];
+    });
+    write_volume(path("a.tvol"), volume);
+    const Volume back = read_volume(path("a.tvol"));
+    expect_same(volume, back);
+    EXPECT_EQ(back.grid.precision(), precision);
+    EXPECT_EQ(back.grid.full_chunks(), volume.grid.full_chunks());
+    // Writing again gives the same bytes.
+    write_volume(path("b.tvol"), back);
+    EXPECT_EQ(bytes("a.tvol"), bytes("b.tvol"));
+  }
+}
+
+TEST_F(Tvol, IsSmallerThanWhatItHolds) {
+  const Volume volume = hollow_ball(Precision::single, {200, 200, 160});
+  write_volume(path("a.tvol"), volume);
+  EXPECT_LT(bytes("a.tvol").size(), volume.grid.bytes() / 3);
+}
+
+TEST_F(Tvol, HugeAndUniformTakesNothing) {
+  const Volume volume{volume::ScalarGrid({{0, 0, 0}, 1, {1 << 13, 1 << 13, 1 << 10}}, -1), {}, {}};
+  write_volume(path("a.tvol"), volume);
+  EXPECT_LT(bytes("a.tvol").size(), 10000u);
+  const Volume back = read_volume(path("a.tvol"));
+  EXPECT_EQ(back.grid.frame(), volume.grid.frame());
+  EXPECT_EQ(back.grid.full_chunks(), 0u);
+  EXPECT_EQ(back.grid.at({5, 5, 5}), -1);
+}
+
+TEST_F(Tvol, DamageIsNoticed) {
+  const Volume volume = hollow_ball(Precision::half, {70, 40, 66});
+  write_volume(path("a.tvol"), volume);
+  const std::string good = bytes("a.tvol");
+  Random random(1);
+  int refused = 0;
+  constexpr int trials = 1500;
+  for (int i = 0; i < trials; ++i) {
+    std::string bad = good;
+    const int flips = 1 + i % 3;
+    for (int k = 0; k < flips; ++k) {
+      // Half of them in the header, which says what is allocated.
+      const double end = i % 2 ? 200.0 : static_cast<double>(bad.size());
+      const auto at = static_cast<std::size_t>(random.uniform(0, end));
+      bad[at] = static_cast<char>(bad[at] ^ (1 << (i + k) % 8));
+    }
+    if (const std::string said = sentence(bad); !said.empty()) {
+      ++refused;
+      EXPECT_THAT(said, HasSubstr("test: "));
+    } else {
+      // A bit that no decoder looks at.
+      EXPECT_TRUE(parse("tvol", bad).grid == volume.grid);
+    }
+  }
+  EXPECT_GT(refused, trials * 99 / 100);
+}
+
+TEST_F(Tvol, TruncationIsNoticed) {
+  write_volume(path("a.tvol"), hollow_ball(Precision::single, {40, 40, 40}));
+  const std::string good = bytes("a.tvol");
+  for (std::size_t n = 0; n < good.size(); n += n < 400 ? 1 : 97)
+    EXPECT_NE(sentence(std::string_view(good).substr(0, n)), "") << n;
+  EXPECT_NE(sentence(good + "x"), "");
+}
+
+TEST_F(Tvol, RefusesOtherVersionsFormatsAndValues) {
+  Volume volume = hollow_ball(Precision::single, {40, 40, 40});
+  write_volume(path("a.tvol"), volume);
+  std::string bytes_of_file = bytes("a.tvol");
+  bytes_of_file[8] = 9;
+  EXPECT_THAT(sentence(bytes_of_file), HasSubstr("version 9"));
+  EXPECT_THAT(sentence("solid ball\nendsolid\n"), HasSubstr("another format"));
+  volume.grid.edit({{3, 3, 3}, {3, 3, 3}},
+                   [](Vec3i, std::span<float> row) { row[0] = std::numeric_limits<float>::quiet_NaN(); });
+  write_volume(path("b.tvol"), volume);
+  EXPECT_THAT(sentence(bytes("b.tvol")), HasSubstr("not finite"));
+  EXPECT_THROW(read_volume(path("none.tvol")), Error);
+  EXPECT_THROW(read_volume(path("a.ply")), Error);
+}
+
+}  // namespace
+}  // namespace tafoni::io
