@@ -54,10 +54,10 @@ using IntVec = hn::Vec<I>;
 struct Doubles {
   hn::Vec<D> lower;
 };
-HWY_INLINE Doubles coordinate(IntVec index, FloatVec t, double origin, double voxel) {
+HWY_INLINE Doubles coordinate(IntVec index, FloatVec t, double first, double voxel, double origin) {
   const D d;
-  const auto at = hn::Add(hn::Add(hn::Set(d, origin), hn::PromoteTo(d, index)), hn::PromoteTo(d, t));
-  return {hn::Mul(at, hn::Set(d, voxel))};
+  const auto at = hn::Add(hn::Add(hn::Set(d, first), hn::PromoteTo(d, index)), hn::PromoteTo(d, t));
+  return {hn::Add(hn::Mul(at, hn::Set(d, voxel)), hn::Set(d, origin))};
 }
 HWY_INLINE FloatVec rounded(Doubles p) {
   return hn::DemoteTo(F(), p.lower);
@@ -69,14 +69,14 @@ HWY_INLINE void store_points(Doubles x, Doubles y, Doubles z, double* out) {
 struct Doubles {
   hn::Vec<D> lower, upper;
 };
-/// (origin + index + t) * voxel
-HWY_INLINE Doubles coordinate(IntVec index, FloatVec t, double origin, double voxel) {
+/// (first + index + t) * voxel + origin
+HWY_INLINE Doubles coordinate(IntVec index, FloatVec t, double first, double voxel, double origin) {
   const D d;
   const hn::Half<F> hf;
   const hn::Half<I> hi;
-  const auto base = hn::Set(d, origin), scale = hn::Set(d, voxel);
+  const auto base = hn::Set(d, first), scale = hn::Set(d, voxel), zero = hn::Set(d, origin);
   const auto one = [&](auto i, auto s) HWY_ATTR {
-    return hn::Mul(hn::Add(hn::Add(base, hn::PromoteTo(d, i)), hn::PromoteTo(d, s)), scale);
+    return hn::Add(hn::Mul(hn::Add(hn::Add(base, hn::PromoteTo(d, i)), hn::PromoteTo(d, s)), scale), zero);
   };
   return {one(hn::LowerHalf(hi, index), hn::LowerHalf(hf, t)),
           one(hn::UpperHalf(hi, index), hn::UpperHalf(hf, t))};
@@ -111,24 +111,24 @@ HWY_INLINE void collect_ends(const Plane& p, const EdgeKey* keys, std::size_t n,
 }
 
 /// Along one axis; one-sided at the grid's faces.
-HWY_INLINE float difference(const float* at, int index, int count, std::ptrdiff_t step) {
-  if (index == 0) return 2 * (at[step] - at[0]);
-  if (index == count - 1) return 2 * (at[0] - at[-step]);
+HWY_INLINE float difference(const float* at, int index, int first, int end, std::ptrdiff_t step) {
+  if (index == first) return 2 * (at[step] - at[0]);
+  if (index == end - 1) return 2 * (at[0] - at[-step]);
   return at[step] - at[-step];
 }
 
 HWY_INLINE void collect_gradients(const Plane& p, const EdgeKey* keys, std::size_t n, Columns& out) {
   const std::ptrdiff_t row = p.row_step, layer = p.plane_step, steps[] = {1, row, layer};
-  const auto within = [](int index, int count) {
-    return static_cast<unsigned>(index - 1) < static_cast<unsigned>(std::max(count - 3, 0));
+  const auto within = [](int index, int first, int end) {
+    return static_cast<unsigned>(index - first - 1) < static_cast<unsigned>(std::max(end - first - 3, 0));
   };
-  const bool inner_plane = within(p.k, p.nz);
+  const bool inner_plane = within(p.k, p.z0, p.nz);
   for (std::size_t v = 0; v < n; ++v) {
     const int i = key_i(keys[v]), j = key_j(keys[v]), axis = key_axis(keys[v]);
     const float* ends[2];
     ends[0] = p.f + i + static_cast<std::ptrdiff_t>(j) * row;
     ends[1] = ends[0] + steps[axis];
-    if (inner_plane && within(i, p.nx) && within(j, p.ny)) {
+    if (inner_plane && within(i, p.x0, p.nx) && within(j, p.y0, p.ny)) {
       for (int e = 0; e < 2; ++e) {
         const float* at = ends[e];
         out.gradient[e][0][v] = at[1] - at[-1];
@@ -138,9 +138,9 @@ HWY_INLINE void collect_gradients(const Plane& p, const EdgeKey* keys, std::size
       continue;
     }
     for (int e = 0; e < 2; ++e) {
-      out.gradient[e][0][v] = difference(ends[e], i + (axis == 0 ? e : 0), p.nx, 1);
-      out.gradient[e][1][v] = difference(ends[e], j + (axis == 1 ? e : 0), p.ny, row);
-      out.gradient[e][2][v] = difference(ends[e], p.k + (axis == 2 ? e : 0), p.nz, layer);
+      out.gradient[e][0][v] = difference(ends[e], i + (axis == 0 ? e : 0), p.x0, p.nx, 1);
+      out.gradient[e][1][v] = difference(ends[e], j + (axis == 1 ? e : 0), p.y0, p.ny, row);
+      out.gradient[e][2][v] = difference(ends[e], p.k + (axis == 2 ? e : 0), p.z0, p.nz, layer);
     }
   }
 }
@@ -183,9 +183,9 @@ void place_batch(const Plane& plane, const EdgeKey* keys, const Columns& columns
     const auto along = [&](int wanted) HWY_ATTR {
       return hn::IfThenElseZero(hn::RebindMask(df, hn::Eq(axis, hn::Set(di, wanted))), t);
     };
-    const auto x = coordinate(i, along(0), plane.i0, plane.voxel);
-    const auto y = coordinate(j, along(1), plane.j0, plane.voxel);
-    const auto z = coordinate(hn::Zero(di), along(2), plane.level, plane.voxel);
+    const auto x = coordinate(i, along(0), plane.i0, plane.voxel, plane.origin.x);
+    const auto y = coordinate(j, along(1), plane.j0, plane.voxel, plane.origin.y);
+    const auto z = coordinate(hn::Zero(di), along(2), plane.level, plane.voxel, plane.origin.z);
     hn::StoreInterleaved3(rounded(x), rounded(y), rounded(z), df, positions + 3 * v);
     if (points) store_points(x, y, z, points + 3 * v);
     if (normals) store_normals(columns, v, t, axis, f0, normals + 3 * v);

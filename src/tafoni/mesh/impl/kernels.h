@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "tafoni/math/vec.h"
+
 namespace tafoni::mesh::impl {
 
 /// 64 samples of one row of the lattice: which are solid, which edges that start there carry a vertex, and
@@ -42,16 +44,19 @@ inline constexpr std::size_t kernel_slack = 64;
 struct Plane {
   const float* f = nullptr;  ///< sample (0, 0) of the plane
   std::int32_t row_step = 0, plane_step = 0;
-  int nx = 0, ny = 0, nz = 0;        ///< samples; used where grid normals are made
-  int k = 0;                         ///< of the plane
-  double i0 = 0, j0 = 0, level = 0;  ///< lattice coordinates of sample (0, 0)
+  int x0 = 0, y0 = 0, z0 = 0, nx = 0, ny = 0, nz = 0;  ///< first sample and the end, for grid normals
+  int k = 0;                                           ///< of the plane
+  double i0 = 0, j0 = 0, level = 0;                    ///< lattice coordinates of sample (0, 0)
   double voxel = 1;
+  Vec3d origin;      ///< of the lattice, metres
   float margin = 0;  ///< least distance of a vertex from its edge's ends, in edges
 };
 
 /// Positions of `n` vertices. `keys` is padded with zeros by kernel_slack; outputs have slack.
 /// Each output may be null: 3 floats a position, 3 doubles a point (the same, unrounded), 3 floats a normal
-/// (minus the central differences of the samples, interpolated along the edge).
+/// (minus the central differences of the samples, interpolated along the edge; one-sided at the first and the
+/// last sample). An edge may have an end beyond those; its normal means nothing then, and one sample more is
+/// read.
 void place(const Plane& plane, const EdgeKey* keys, std::size_t n, float* positions, double* points,
            float* normals);
 
