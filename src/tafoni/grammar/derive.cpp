@@ -18,12 +18,17 @@ class Generator {
   }
 
   void run(Assembly& base, const Assembly::Accept& accept, Progress& progress) {
-    const std::vector<Operation> order = operations(base.empty());
+    const std::vector<Operation> order = operations();
+    bool first = true;
     progress.begin("productions", order.size(), "productions");
     for (const Operation operation : order) {
       progress.check();
-      for (int i = 0; i < tries && !base.produce(shape(), production(operation, base), random_, accept);
-           ++i) {
+      for (int i = 0; i < tries; ++i) {
+        Production how = production(operation, base);
+        if (first) how.direction = {};
+        if (!base.produce(shape(), how, random_, accept)) continue;
+        first = false;
+        break;
       }
       progress.advance();
     }
@@ -32,11 +37,11 @@ class Generator {
 
  private:
   /// A sum first; the morphs at random places after it.
-  std::vector<Operation> operations(bool empty) {
+  std::vector<Operation> operations() {
     std::vector<Operation> order;
     for (int i = 0; i < settings_.classic; ++i) {
       const double draw = random_.uniform();
-      const bool sum = (empty && i == 0) || draw >= settings_.differences + settings_.intersections;
+      const bool sum = i == 0 || draw >= settings_.differences + settings_.intersections;
       order.push_back(sum                            ? Operation::sum
                       : draw < settings_.differences ? Operation::difference
                                                      : Operation::intersection);

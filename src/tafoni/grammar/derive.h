@@ -39,6 +39,7 @@ std::vector<ParamInfo> rule_columns();
 
 /// Continues `base` (mostly empty) by P_C + P_M productions at random: the morphic ones are spread among the
 /// classic ones, and a shape that finds no place is drawn anew a few times before its production is dropped.
+/// The first production takes any direction.
 void derive_at_random(Assembly& base, const Settings& settings, const Assembly::Accept& accept = nullptr,
                       Progress& progress = silent());
 

@@ -150,6 +150,7 @@ class Rewriting {
       int part;
     };
     std::deque<Standing> open = {{axiom, -1}};
+    bool first = true;
     while (!open.empty() && classic + morphic > 0) {
       progress_.check();
       const Standing at = open.front();
@@ -158,12 +159,14 @@ class Rewriting {
       if (!r) continue;
       int& left = r->how.operation == Operation::morph ? morphic : classic;
       Production how = r->how;
+      if (first) how.direction = {};
       how.part = at.part;
       // The empty shape is no production: its symbols go on where its own stood.
       const bool nothing = r->shape == "empty";
       if (!nothing) {
         if (left == 0 || !place(base, *r, how, accept, depth)) continue;
         --left;
+        first = false;
         if (depth == 0) progress_.advance();
       } else if (++idle_ > limit) {
         fail(ErrorKind::usage, "{}: empty shapes follow one another without end", r->where);
