@@ -67,6 +67,9 @@ struct SweepHit {
 struct SlideSettings {
   int iterations = 5;   ///< surfaces to slide along in one motion
   double skin = 0.005;  ///< metres kept between the shape and the surface that it runs into
+  /// Surfaces that rise more steeply count as upright, so that nothing climbs them: those whose normal's z is
+  /// below this. -1: none.
+  double wall = -1;
 };
 
 struct Slide {

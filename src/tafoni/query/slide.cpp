@@ -39,6 +39,13 @@ Vec3d along_planes(Vec3d motion, const std::array<Vec3d, most_planes>& normals, 
   return best;
 }
 
+/// What a surface that is too steep to climb is taken for.
+Vec3d upright(Vec3d normal, double wall) {
+  if (normal.z >= wall) return normal;
+  const Vec3d level{normal.x, normal.y, 0};
+  return length(level) > 1e-6 ? normalized(level) : normal;
+}
+
 }  // namespace
 
 /// Moves `at` until the shape overlaps nothing; false when some steps do not get there.
@@ -83,7 +90,7 @@ Slide Collider::slide(const Capsule& shape, Vec3d motion, const SlideSettings& s
     result.moved += left * (travel / size);
     left = left * (1 - travel / size);
     if (planes == most_planes) return result;
-    normals[static_cast<std::size_t>(planes++)] = hit->normal;
+    normals[static_cast<std::size_t>(planes++)] = upright(hit->normal, settings.wall);
     left = along_planes(left, normals, planes);
     if (!(dot(left, motion) > 0) || length(left) < 1e-9) return result;
   }

@@ -1,0 +1,157 @@
+#include "tafoni/query/walker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tafoni/core/error.h"
+
+namespace tafoni::query {
+namespace {
+
+constexpr Vec3d up{0, 0, 1};
+
+Vec3d level(Vec3d v) {
+  return {v.x, v.y, 0};
+}
+
+}  // namespace
+
+Walker::Walker(const WalkerSettings& settings, Vec3d feet)
+    : settings_(settings), floor_(std::cos(settings.slope)), feet_(feet) {
+  const WalkerSettings& s = settings_;
+  if (!(s.radius > 0) || !(s.height >= 2 * s.radius) || !std::isfinite(s.height))
+    fail(ErrorKind::usage,
+         "a walker of radius {} m and height {} m is no capsule: give a height of two radii or more",
+         s.radius, s.height);
+  if (!(s.step >= 0) || !(s.slope >= 0 && s.slope < 1.57) || !(s.gravity >= 0) || !(s.fall > 0) ||
+      !(s.skin > 0))
+    fail(ErrorKind::usage,
+         "a walker needs a step and gravity of 0 or more, a slope below 90 degrees, and a skin and fall "
+         "above 0");
+}
+
+Capsule Walker::capsule_at(Vec3d feet) const {
+  return {feet + up * settings_.radius, feet + up * (settings_.height - settings_.radius), settings_.radius};
+}
+
+/// Whether what is touched can be stood on: the surface, or, at the edge of a step, what lies behind the
+/// edge.
+bool Walker::walkable(const Collider& ground, Vec3d point, Vec3d normal) const {
+  if (normal.z >= floor_) return true;
+  if (normal.z <= 0.05) return false;
+  const double back = 0.05 * settings_.radius;
+  const Vec3d behind = point - normalized(level(normal)) * back;
+  const double reach = back * (std::tan(settings_.slope) + 0.5);
+  const auto hit = ground.ray(behind + up * reach, -up, 2 * reach);
+  return hit && !hit->from_rock && hit->normal.z >= floor_;
+}
+
+/// How far the capsule goes along a motion before it meets something, less the skin; metres.
+double Walker::travel(const Collider& ground, Vec3d feet, Vec3d motion) const {
+  const double size = length(motion);
+  if (size == 0) return 0;
+  const auto hit = ground.sweep(capsule_at(feet), motion);
+  if (!hit) return size;
+  const double toward = -dot(motion, hit->normal) / size;
+  return toward > 0 ? std::max(0.0, hit->time * size - settings_.skin / toward) : 0.0;
+}
+
+Walker::Footing Walker::footing(const Collider& ground, Vec3d feet, double depth) const {
+  const Vec3d down = up * -depth;
+  const Capsule shape = capsule_at(feet);
+  const auto hit = ground.sweep(shape, down);
+  if (!hit || hit->depth > 0) return {};
+  if (walkable(ground, hit->point, hit->normal)) {
+    const double way = std::max(0.0, hit->time * depth - settings_.skin / std::max(hit->normal.z, 0.1));
+    return {true, feet - up * way, hit->normal, hit->point};
+  }
+  // Beside the foot of a wall the wall is met first: the ground may lie just below.
+  const Slide slide = ground.slide(shape, down, {.iterations = 4, .skin = settings_.skin});
+  if (slide.stuck || length(level(slide.moved)) > settings_.radius) return {};
+  for (const SweepHit& h : slide.hits)
+    if (h.normal.z >= floor_) return {true, feet + slide.moved, h.normal, h.point};
+  return {};
+}
+
+Walker::Footing Walker::stride(const Collider& ground, Vec3d feet, Vec3d to) const {
+  const double lift = travel(ground, feet, up * settings_.step);
+  const Vec3d raised = feet + up * lift;
+  const Slide over = ground.slide(capsule_at(raised), level(to - feet), {.skin = settings_.skin, .wall = 2});
+  if (over.stuck) return {};
+  const Footing found = footing(ground, raised + over.moved, lift + settings_.step + settings_.skin);
+  // The round end of the capsule would ride up on edges higher than a step.
+  return found.found && found.point.z - feet.z > settings_.step + settings_.skin ? Footing{} : found;
+}
+
+void Walker::stand(const Footing& footing) {
+  feet_ = footing.feet;
+  normal_ = footing.normal;
+  grounded_ = true;
+  velocity_ = {};
+}
+
+void Walker::walk(const Collider& ground, Vec3d way) {
+  const double wanted = length(way);
+  const auto progress = [&](Vec3d feet) { return wanted > 0 ? dot(feet - feet_, way) / wanted : 0.0; };
+  // Uphill along the ground, so that the ground itself is no obstacle.
+  Vec3d along = way;
+  if (normal_.z >= floor_) along.z = std::max(0.0, -dot(way, level(normal_)) / normal_.z);
+  const Slide slide = ground.slide(capsule_at(feet_), along, {.skin = settings_.skin, .wall = floor_});
+  if (slide.stuck) {
+    stuck_ = true;
+    return;
+  }
+  const Vec3d slid = feet_ + slide.moved;
+  const double drop = settings_.step + settings_.skin + std::max(0.0, slide.moved.z);
+  const Footing plain = footing(ground, slid, drop);
+  if (plain.found && progress(plain.feet) > 0.95 * wanted) return stand(plain);
+  const Footing stepped = stride(ground, feet_, feet_ + way);
+  const double gain = plain.found ? progress(plain.feet) : progress(slid);
+  if (stepped.found && progress(stepped.feet) > gain + 1e-6) return stand(stepped);
+  if (plain.found) return stand(plain);
+  feet_ = slid;
+  grounded_ = false;
+  normal_ = up;
+}
+
+void Walker::fly(const Collider& ground, Vec3d way, double seconds) {
+  velocity_.z = std::max(-settings_.fall, velocity_.z - settings_.gravity * seconds);
+  const Slide fall = ground.slide(capsule_at(feet_), velocity_ * seconds, {.skin = settings_.skin});
+  feet_ += fall.moved;
+  const Slide drift = ground.slide(capsule_at(feet_), way, {.skin = settings_.skin, .wall = floor_});
+  feet_ += drift.moved;
+  stuck_ = fall.stuck || drift.stuck;
+  if (stuck_) return;
+  const bool falling = velocity_.z < 0;
+  for (const SweepHit& hit : fall.hits) {
+    velocity_ -= hit.normal * std::min(0.0, dot(velocity_, hit.normal));
+    if (!falling || !walkable(ground, hit.point, hit.normal)) continue;
+    const Footing found = footing(ground, feet_, settings_.step);
+    if (found.found) return stand(found);
+  }
+  // In a cleft that holds it, it stands.
+  if (falling && fall.hits.size() > 1 && length(fall.moved) < settings_.skin) {
+    velocity_ = {};
+    grounded_ = true;
+  }
+}
+
+void Walker::move(const Collider& ground, Vec3d wish, double seconds) {
+  if (!std::isfinite(wish.x) || !std::isfinite(wish.y))
+    fail(ErrorKind::usage, "the walker's wish is not finite: give metres a second");
+  if (!(seconds >= 0) || !std::isfinite(seconds))
+    fail(ErrorKind::usage, "a move of {} s cannot be made: give 0 or more", seconds);
+  // The ground may have changed around it.
+  const Slide freed = ground.slide(capsule_at(feet_), {}, {.skin = settings_.skin});
+  stuck_ = freed.stuck;
+  if (stuck_) return;
+  grounded_ = grounded_ && freed.moved == Vec3d{};
+  feet_ += freed.moved;
+  const Vec3d way = level(wish) * seconds;
+  if (grounded_)
+    walk(ground, way);
+  else
+    fly(ground, way, seconds);
+}
+
+}  // namespace tafoni::query

@@ -1,0 +1,66 @@
+#pragma once
+// A walker: an upright capsule with gravity that climbs steps and gentle slopes and never enters the rock.
+
+#include <numbers>
+
+#include "tafoni/query/collider.h"
+
+namespace tafoni::query {
+
+struct WalkerSettings {
+  double radius = 0.35, height = 1.8;          ///< metres; the height is the whole capsule's
+  double step = 0.45;                          ///< metres: the highest step that it climbs and goes down
+  double slope = 46 * std::numbers::pi / 180;  ///< radians: the steepest ground that it stands on
+  double gravity = 9.81;                       ///< metres a second squared
+  double fall = 50;                            ///< metres a second: it falls no faster
+  double skin = 0.005;                         ///< metres kept from surfaces
+};
+
+/// Every way that it goes is swept, so that its capsule overlaps no rock after a move, to 1e-6 m; only ground
+/// that changed around it can hold it, and then it is freed or says that it is stuck. The same moves on the
+/// same ground give the same bits.
+class Walker {
+ public:
+  /// `feet`: the capsule's lowest point. Throws Error{usage} for sizes that make no capsule.
+  explicit Walker(const WalkerSettings& settings, Vec3d feet = {});
+
+  /// Walks for `seconds` at `wish` metres a second, of which x and y count; in the air, too.
+  void move(const Collider& ground, Vec3d wish, double seconds);
+
+  Vec3d feet() const { return feet_; }
+  Capsule capsule() const { return capsule_at(feet_); }
+  /// Of a fall or of sliding down what is too steep, metres a second; 0 on the ground, whatever it wishes.
+  Vec3d velocity() const { return velocity_; }
+  bool grounded() const { return grounded_; }
+  /// Of what it stands on; up where it does not.
+  Vec3d ground_normal() const { return normal_; }
+  bool stuck() const { return stuck_; }
+  const WalkerSettings& settings() const { return settings_; }
+
+  Capsule capsule_at(Vec3d feet) const;
+
+  struct Footing {
+    bool found = false;
+    Vec3d feet, normal, point;
+  };
+  /// The place to stand that it comes to when it is let down by up to `depth` metres.
+  Footing footing(const Collider& ground, Vec3d feet, double depth) const;
+  /// Where it comes to stand when it lifts its feet by up to a step, goes to level (to.x, to.y) as far as it
+  /// can, and puts them down again, by up to a step lower than they were.
+  Footing stride(const Collider& ground, Vec3d feet, Vec3d to) const;
+
+ private:
+  bool walkable(const Collider& ground, Vec3d point, Vec3d normal) const;
+  double travel(const Collider& ground, Vec3d feet, Vec3d motion) const;
+  void walk(const Collider& ground, Vec3d way);
+  void fly(const Collider& ground, Vec3d way, double seconds);
+  void stand(const Footing& footing);
+
+  WalkerSettings settings_;
+  double floor_;  ///< least z of a walkable normal
+  Vec3d feet_, normal_{0, 0, 1};
+  Vec3d velocity_;
+  bool grounded_ = false, stuck_ = false;
+};
+
+}  // namespace tafoni::query
