@@ -1,0 +1,297 @@
+#include "tafoni/runtime/destructible_terrain.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/random.h"
+#include "tafoni/runtime/impl/bytes.h"
+#include "tafoni/runtime/impl/ground.h"
+#include "tafoni/runtime/impl/snapshot_state.h"
+#include "tafoni/runtime/impl/state_hash.h"
+#include "tafoni/volume/edit.h"
+
+namespace tafoni::runtime {
+namespace {
+
+using volume::SampleBox;
+using volume::ScalarGrid;
+
+/// Makes the edit, given in world positions, in a grid whose local zero lies at `origin`.
+class Editor {
+ public:
+  Editor(ScalarGrid& grid, Vec3d origin, double band) : grid_(grid), origin_(origin), band_(band) {}
+
+  SampleBox operator()(const ToolUse& use) const {
+    volume::ToolData data = use.tool.data();
+    for (Vec3d& p : data.points) p -= origin_;
+    return volume::apply(grid_, volume::Tool::from(data), use.edit, band_);
+  }
+  SampleBox operator()(const Explosion& e) const {
+    return volume::explode(grid_, e.center - origin_, e.radius, e.energy, band_);
+  }
+  SampleBox operator()(const Radial& r) const {
+    const auto last = static_cast<double>(r.change.size() - 1);
+    const auto change = [&](double share) {
+      const double at = share * last;
+      const std::size_t i = std::min(static_cast<std::size_t>(at), r.change.size() - 2);
+      return r.change[i] + (r.change[i + 1] - r.change[i]) * (at - static_cast<double>(i));
+    };
+    return volume::add_radial(grid_, r.center - origin_, r.radius, change, band_);
+  }
+
+ private:
+  ScalarGrid& grid_;
+  Vec3d origin_;
+  double band_;
+};
+
+struct ChunkOrder {
+  bool operator()(Vec3i a, Vec3i b) const { return std::tie(a.y, a.x, a.z) < std::tie(b.y, b.x, b.z); }
+};
+
+/// When each chunk changed last, newest last.
+class ChangeLog {
+ public:
+  void changed(Vec3i chunk, std::uint64_t version) {
+    const auto [entry, fresh] = versions_.try_emplace(chunk, version);
+    if (!fresh) {
+      by_version_.erase({entry->second, chunk});
+      entry->second = version;
+    }
+    by_version_.insert({version, chunk});
+  }
+  std::vector<Vec3i> since(std::uint64_t version) const {
+    std::vector<Vec3i> out;
+    constexpr std::int32_t least = std::numeric_limits<std::int32_t>::min();
+    for (auto i = by_version_.lower_bound({version + 1, {least, least, least}}); i != by_version_.end(); ++i)
+      out.push_back(i->second);
+    std::sort(out.begin(), out.end(), ChunkOrder());
+    return out;
+  }
+
+ private:
+  using Entry = std::pair<std::uint64_t, Vec3i>;
+  struct Order {
+    bool operator()(const Entry& a, const Entry& b) const {
+      return a.first != b.first ? a.first < b.first : ChunkOrder()(a.second, b.second);
+    }
+  };
+  std::map<Vec3i, std::uint64_t, ChunkOrder> versions_;
+  std::set<Entry, Order> by_version_;
+};
+
+/// A hash of what edits do not change.
+Digest digest_of(const impl::Ground& ground, std::uint64_t samples) {
+  impl::ByteWriter out;
+  const volume::GridFrame& frame = ground.grid.frame();
+  for (Vec3d p : {ground.origin, frame.origin}) {
+    for (double v : {p.x, p.y, p.z}) out.put(v);
+  }
+  out.put(frame.spacing);
+  for (std::int32_t n : {frame.size.x, frame.size.y, frame.size.z}) out.put(n);
+  out.put(static_cast<std::uint32_t>(ground.grid.precision()));
+  out.put(ground.band);
+  out.put(samples);
+  return impl::checksum(out.bytes);
+}
+
+}  // namespace
+
+struct DestructibleTerrain::Impl {
+  Impl(impl::Ground opened, const TerrainSettings& settings, Progress& progress);
+
+  SnapshotPtr snapshot() const {
+    const std::lock_guard lock(published_mutex);
+    return published;
+  }
+  using MeshChanges = std::vector<mesh::GridMesher::Change>;
+  SnapshotPtr next(const MeshChanges& changes, std::size_t edits_made) const;
+  void publish(SnapshotPtr now, const MeshChanges& changes);
+  /// Makes the edits, one version each, and meshes once. For whoever holds edit_mutex.
+  void apply(std::span<const Message> messages, Progress& progress);
+  void replay(const JournalContents& contents, const std::filesystem::path& file, Progress& progress);
+
+  /// Serialises edits and guards all that only they use.
+  std::mutex edit_mutex;
+  impl::Ground ground;
+  mesh::GridMesher mesher;
+  bool mesher_in_step = true;  ///< its meshes are those of the published snapshot
+  impl::StateHash hash;
+  Digest base;
+  std::vector<Message> edits;
+  std::optional<JournalWriter> journal;
+
+  /// Held for moments only; taken after edit_mutex where both are.
+  mutable std::mutex published_mutex;
+  SnapshotPtr published;
+  ChangeLog log;
+};
+
+DestructibleTerrain::Impl::Impl(impl::Ground opened, const TerrainSettings& settings, Progress& progress)
+    : ground(std::move(opened)),
+      mesher({ground.boundary, settings.polygons}),
+      hash(ground.grid),
+      base(digest_of(ground, hash.of(ground.grid))) {
+  const MeshChanges changes = mesher.update(ground.grid, {}, progress);
+  publish(next(changes, 1), changes);
+}
+
+/// The grid and the mesher as they are now.
+SnapshotPtr DestructibleTerrain::Impl::next(const MeshChanges& changes, std::size_t edits_made) const {
+  const std::uint64_t version = (published ? published->version() : 0) + edits_made;
+  impl::ChunkTable table = published ? published->state_->chunks : impl::ChunkTable(ground.grid.chunks());
+  for (const auto& change : changes) {
+    auto entry = std::make_shared<impl::ChunkEntry>();
+    entry->shape = std::make_unique<const query::ChunkShape>(mesher.chunk(change.chunk));
+    entry->version = version;
+    table.set(change.chunk, std::move(entry));
+  }
+  return SnapshotPtr(
+      new Snapshot(std::make_unique<Snapshot::State>(version, ground.origin, ground.grid, table)));
+}
+
+void DestructibleTerrain::Impl::publish(SnapshotPtr now, const MeshChanges& changes) {
+  const std::lock_guard lock(published_mutex);
+  for (const auto& change : changes) log.changed(change.chunk, now->version());
+  published.swap(now);  // what only the last one held is freed after the lock
+}
+
+void DestructibleTerrain::Impl::apply(std::span<const Message> messages, Progress& progress) {
+  // Through their messages, here as on every peer, so that all make the edits of the same numbers.
+  std::vector<Operation> operations;
+  for (const Message& message : messages) operations.push_back(decode(message));
+  const SnapshotPtr last = snapshot();
+  const SampleBox everything = ground.grid.samples();
+  if (!mesher_in_step) mesher.update(ground.grid, {&everything, 1}, progress);
+  mesher_in_step = true;
+
+  std::vector<SampleBox> changed;
+  try {
+    const Editor editor(ground.grid, ground.origin, ground.band);
+    for (const Operation& operation : operations) {
+      const SampleBox box = std::visit(editor, operation);
+      if (!box.empty()) changed.push_back(box);
+      progress.check();
+    }
+    const MeshChanges changes =
+        changed.empty() ? MeshChanges() : mesher.update(ground.grid, changed, progress);
+    SnapshotPtr now = next(changes, messages.size());
+    edits.insert(edits.end(), messages.begin(), messages.end());
+    if (journal)
+      for (const Message& message : messages) journal->append(message);
+    publish(std::move(now), changes);
+  } catch (...) {
+    mesher_in_step = false;
+    edits.resize(static_cast<std::size_t>(last->version() - 1));
+    ground.grid = last->grid();
+    throw;
+  }
+  for (const SampleBox& box : changed) hash.touch(box);
+}
+
+void DestructibleTerrain::Impl::replay(const JournalContents& contents, const std::filesystem::path& file,
+                                       Progress& progress) {
+  if (!edits.empty())
+    fail(ErrorKind::usage, "{}: a journal is replayed on a terrain without edits, and this one has {}",
+         file.string(), edits.size());
+  if (contents.base != base)
+    fail(ErrorKind::input,
+         "{}: belongs to another terrain, or to this one with another voxel size, precision or band",
+         file.string());
+  apply(contents.edits, progress);
+}
+
+DestructibleTerrain::DestructibleTerrain(const scene::BuiltScene& scene, const TerrainSettings& settings,
+                                         Progress& progress)
+    : impl_(std::make_unique<Impl>(impl::ground_of(scene, settings, progress), settings, progress)) {}
+DestructibleTerrain::DestructibleTerrain(volume::ScalarGrid grid, Vec3d origin,
+                                         const TerrainSettings& settings, Progress& progress)
+    : impl_(std::make_unique<Impl>(impl::ground_of(std::move(grid), origin, settings), settings, progress)) {}
+DestructibleTerrain::DestructibleTerrain(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+DestructibleTerrain::~DestructibleTerrain() = default;
+DestructibleTerrain::DestructibleTerrain(DestructibleTerrain&&) noexcept = default;
+
+DestructibleTerrain DestructibleTerrain::open(const std::filesystem::path& file,
+                                              const TerrainSettings& settings, Progress& progress) {
+  return DestructibleTerrain(
+      std::make_unique<Impl>(impl::read_ground(file, settings, progress), settings, progress));
+}
+
+std::uint64_t DestructibleTerrain::apply(std::span<const Message> messages, Progress& progress) {
+  const std::lock_guard lock(impl_->edit_mutex);
+  impl_->apply(messages, progress);
+  return version();
+}
+std::uint64_t DestructibleTerrain::apply(const Operation& operation) {
+  const Message message = encode(operation);
+  return apply({&message, 1});
+}
+
+std::uint64_t DestructibleTerrain::version() const {
+  return snapshot()->version();
+}
+SnapshotPtr DestructibleTerrain::snapshot() const {
+  return impl_->snapshot();
+}
+
+DestructibleTerrain::Changes DestructibleTerrain::changes_since(std::uint64_t version) const {
+  const std::lock_guard lock(impl_->published_mutex);
+  return {impl_->published->version(), impl_->log.since(version)};
+}
+
+mesh::Mesh DestructibleTerrain::mesh() const {
+  const std::lock_guard lock(impl_->edit_mutex);
+  mesh::Mesh mesh = impl_->mesher.assemble();
+  mesh.origin = impl_->ground.origin;
+  return mesh;
+}
+
+Digest DestructibleTerrain::base() const {
+  return impl_->base;
+}
+
+DestructibleTerrain::State DestructibleTerrain::state() const {
+  const std::lock_guard lock(impl_->edit_mutex);
+  return {version(), impl_->hash.of(impl_->ground.grid)};
+}
+
+std::vector<Message> DestructibleTerrain::edits_since(std::uint64_t version) const {
+  const std::lock_guard lock(impl_->edit_mutex);
+  const auto& edits = impl_->edits;
+  const std::uint64_t first = std::clamp<std::uint64_t>(version, 1, edits.size() + 1) - 1;
+  return {edits.begin() + static_cast<std::ptrdiff_t>(first), edits.end()};
+}
+
+void DestructibleTerrain::save(const std::filesystem::path& journal) const {
+  const std::lock_guard lock(impl_->edit_mutex);
+  write_journal(journal, impl_->base, impl_->edits);
+}
+
+std::uint64_t DestructibleTerrain::replay(const std::filesystem::path& journal, Progress& progress) {
+  const JournalContents contents = read_journal(journal);
+  const std::lock_guard lock(impl_->edit_mutex);
+  impl_->replay(contents, journal, progress);
+  return contents.edits.size();
+}
+
+void DestructibleTerrain::record(const std::filesystem::path& journal, Progress& progress) {
+  const std::lock_guard lock(impl_->edit_mutex);
+  std::error_code ignored;
+  if (std::filesystem::exists(journal, ignored))
+    impl_->replay(read_journal(journal), journal, progress);
+  else
+    write_journal(journal, impl_->base, impl_->edits);
+  impl_->journal.emplace(journal, read_journal(journal));
+}
+
+void DestructibleTerrain::sync() {
+  const std::lock_guard lock(impl_->edit_mutex);
+  if (impl_->journal) impl_->journal->sync();
+}
+
+}  // namespace tafoni::runtime

@@ -1,0 +1,160 @@
+#pragma once
+// Ground that players dig while they look at it: edits in, changed chunks and collisions out.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tafoni/core/progress.h"
+#include "tafoni/mesh/grid_mesher.h"
+#include "tafoni/query/collider.h"
+#include "tafoni/runtime/journal.h"
+#include "tafoni/runtime/operation.h"
+#include "tafoni/scene/build.h"
+#include "tafoni/volume/scalar_grid.h"
+
+namespace tafoni::runtime {
+
+struct TerrainSettings {
+  double voxel = 0;  ///< metres; 0: the scene's own. Volumes have theirs
+  volume::Precision precision = volume::Precision::single;
+  /// Metres that values are limited to, 0 for four voxels. What lies deeper in rock or air takes no memory,
+  /// and an explosion of more energy than this breaks rock of any depth.
+  double band = 0;
+  double above = 10, below = 10;  ///< metres that can be built above the highest and dug below the lowest
+  /// None: the scene's own, and `solid` for a volume. An open terrain ends at its border without walls.
+  std::optional<mesh::Boundary> boundary;
+  bool polygons = true;  ///< convex polygons for collision by other engines
+  /// Bytes that the terrain may take when opened; more is an error that says how much it would be.
+  std::uint64_t memory = std::uint64_t{4} << 30;
+};
+
+/// Immutable: who holds one may read it in any thread, whatever happens to the terrain.
+struct Chunk {
+  Vec3i index;
+  std::uint64_t version = 0;  ///< of the edit that changed it last
+  Vec3d origin;               ///< world position that the mesh's positions are relative to
+  mesh::GridChunkPtr mesh;    ///< never null; its own version is not the terrain's
+};
+
+/// The terrain at one version, immutable: samples, chunks and collisions that belong together. Any number of
+/// threads may read one. Positions are world, in double; local is world minus origin().
+class Snapshot {
+ public:
+  ~Snapshot();
+  Snapshot(const Snapshot&) = delete;
+  Snapshot& operator=(const Snapshot&) = delete;
+
+  std::uint64_t version() const;
+  Vec3d origin() const;
+  Vec3d to_local(Vec3d world) const { return world - origin(); }
+  Vec3d to_world(Vec3d local) const { return local + origin(); }
+
+  /// Chunk (a, b, c) has the voxels from (32 a, 32 b, 32 c). Its mesh is empty where there is no surface.
+  Chunk chunk(Vec3i index) const;
+  /// Every chunk with triangles, sorted by y, x, z.
+  std::vector<Vec3i> chunks() const;
+  const volume::ScalarGrid& grid() const;  ///< local
+
+  /// For query::Walker and whatever else takes a collider; local.
+  const query::Collider& collider() const;
+  /// query::Collider's own, in world positions.
+  std::optional<query::RayHit> ray(Vec3d from, Vec3d direction, double distance) const;
+  bool solid(Vec3d p) const;
+  std::optional<query::SurfacePoint> closest(Vec3d p, double distance) const;
+  bool overlaps(const query::Capsule& shape) const;
+  std::optional<query::Contact> contact(const query::Capsule& shape) const;
+  std::optional<query::SweepHit> sweep(const query::Capsule& shape, Vec3d motion) const;
+  query::Slide slide(const query::Capsule& shape, Vec3d motion,
+                     const query::SlideSettings& settings = {}) const;
+
+ private:
+  friend class DestructibleTerrain;
+  struct State;
+  explicit Snapshot(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+using SnapshotPtr = std::shared_ptr<const Snapshot>;
+
+/// All functions may be called from any thread. Edits wait for one another, and so do mesh(), state(),
+/// edits_since(), save() and the like. version(), snapshot(), chunk() and changes_since() never wait for an
+/// edit, only for the moment in which its result takes the place of the one before.
+///
+/// Positions are world (the scene's CRS), double, here and in messages. Version 1 is the terrain as opened;
+/// each edit makes the next one, even if it changes nothing, so that all peers count alike. The same edits in
+/// the same order give the same bytes of samples and meshes on every machine with fused multiply-add.
+class DestructibleTerrain {
+ public:
+  /// Opens a scene file, or a volume file that io::read_volume() knows. Throws Error as scene::build() does,
+  /// and Error{usage} for what is too large.
+  static DestructibleTerrain open(const std::filesystem::path& file, const TerrainSettings& settings = {},
+                                  Progress& progress = silent());
+  explicit DestructibleTerrain(const scene::BuiltScene& scene, const TerrainSettings& settings = {},
+                               Progress& progress = silent());
+  /// A grid whose local zero lies at `origin`. It keeps its precision; values are limited to the band, if one
+  /// is given, and are else taken as they are: then the band is their greatest magnitude.
+  explicit DestructibleTerrain(volume::ScalarGrid grid, Vec3d origin = {},
+                               const TerrainSettings& settings = {}, Progress& progress = silent());
+  ~DestructibleTerrain();
+  DestructibleTerrain(DestructibleTerrain&&) noexcept;
+  DestructibleTerrain& operator=(DestructibleTerrain&&) = delete;
+
+  /// Each returns the new version. Throws Error{usage} for numbers that make no edit; nothing is changed
+  /// then.
+  std::uint64_t apply(const Operation& operation);
+  std::uint64_t apply(const volume::Tool& tool, volume::Edit edit) { return apply(ToolUse{tool, edit}); }
+  std::uint64_t explode(Vec3d center, double radius, double energy) {
+    return apply(Explosion{center, radius, energy});
+  }
+  /// What encode() gave, here or on another machine, one version each; meshed and seen all at once. Throws
+  /// Error{input} for anything else.
+  std::uint64_t apply(std::span<const Message> messages, Progress& progress = silent());
+
+  std::uint64_t version() const;
+  SnapshotPtr snapshot() const;
+  Chunk chunk(Vec3i index) const { return snapshot()->chunk(index); }
+  struct Changes {
+    std::uint64_t version = 0;  ///< to ask for the next time
+    std::vector<Vec3i> chunks;  ///< sorted by y, x, z; one that lost its last triangle is among them
+  };
+  /// The chunks whose mesh changed after that version; every chunk with triangles after version 0.
+  Changes changes_since(std::uint64_t version) const;
+  /// All chunks as one mesh without repeated vertices.
+  mesh::Mesh mesh() const;
+
+  /// Of the terrain as opened: what a journal belongs to, and what peers compare first.
+  Digest base() const;
+  struct State {
+    std::uint64_t version = 0;
+    Digest hash = 0;  ///< of every sample: equal for peers that made the same edits
+    friend bool operator==(const State&, const State&) = default;
+  };
+  /// Costs about 0.02 ms for each chunk of samples changed since it was last asked.
+  State state() const;
+  /// The messages that lead from that version to the present one, for a peer that joins late.
+  std::vector<Message> edits_since(std::uint64_t version) const;
+
+  /// Writes all edits as a journal, beside the file and renamed.
+  void save(const std::filesystem::path& journal) const;
+  /// Applies the journal's edits to a terrain that has none yet. An edit left unfinished at its end by a
+  /// crash is left out. Returns how many were applied. Throws Error{usage} after edits, and Error{input} for
+  /// a journal that is damaged or of another terrain.
+  std::uint64_t replay(const std::filesystem::path& journal, Progress& progress = silent());
+  /// From now on appends each edit to the journal before it is seen. Where the file exists its edits are
+  /// replayed first; otherwise it begins with those made so far. An edit that cannot be appended throws
+  /// Error{output} and is not made.
+  void record(const std::filesystem::path& journal, Progress& progress = silent());
+  /// Returns when all recorded edits are on the disk.
+  void sync();
+
+ private:
+  struct Impl;
+  explicit DestructibleTerrain(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tafoni::runtime

@@ -1,0 +1,117 @@
+#include "tafoni/runtime/impl/ground.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+#include "tafoni/io/format.h"
+#include "tafoni/scene/mesh_scene.h"
+#include "tafoni/volume/sample.h"
+
+namespace tafoni::runtime::impl {
+namespace {
+
+using volume::GridFrame;
+using volume::ScalarGrid;
+
+/// Bytes of mesh, polygons and what the mesher keeps, of a chunk with surface; measured on terrains.
+constexpr double mesh_bytes = 330e3;
+
+void check(const TerrainSettings& s) {
+  for (const double v : {s.voxel, s.band, s.above, s.below})
+    if (!(v >= 0) || !std::isfinite(v))
+      fail(ErrorKind::usage,
+           "a terrain's voxel, band, above and below are lengths in metres, 0 or more, not {}", v);
+}
+
+/// Throws where a terrain of so many chunks with surface, of all in the frame, is too large.
+void check_memory(double chunks, const GridFrame& frame, volume::Precision precision,
+                  const TerrainSettings& settings) {
+  constexpr double side = ScalarGrid::chunk_samples;
+  const double sample = precision == volume::Precision::single ? 4 : 2;
+  const double all =
+      std::ceil(frame.size.x / side) * std::ceil(frame.size.y / side) * std::ceil(frame.size.z / side);
+  const double bytes = chunks * (side * side * side * sample + mesh_bytes) + all * 64;
+  if (bytes > static_cast<double>(settings.memory))
+    fail(
+        ErrorKind::usage,
+        "a terrain of {} x {} x {} samples at {:g} m takes about {:.1f} GB, more than the {:.1f} GB allowed: "
+        "use a coarser voxel, half precision or a window of the terrain",
+        frame.size.x, frame.size.y, frame.size.z, frame.spacing, bytes * 1e-9,
+        static_cast<double>(settings.memory) * 1e-9);
+}
+
+/// How many chunks of samples are not one value, at most.
+double chunks_with_surface(const field::CompiledField& field, const GridFrame& frame, double band,
+                           Progress& progress) {
+  constexpr int side = ScalarGrid::chunk_samples;
+  const Vec3i n{(frame.size.x - 1) / side + 1, (frame.size.y - 1) / side + 1, (frame.size.z - 1) / side + 1};
+  std::atomic<std::int64_t> count{0};
+  const std::int64_t columns = std::int64_t{n.x} * n.y;
+  progress.begin("size", static_cast<std::uint64_t>(columns), "columns");
+  parallel_for(
+      columns,
+      [&](std::int64_t i) {
+        const Vec3i lo{static_cast<int>(i % n.x) * side, static_cast<int>(i / n.x) * side, 0};
+        std::int64_t here = 0;
+        for (int c = 0; c < n.z; ++c) {
+          const Vec3i first{lo.x, lo.y, c * side};
+          const Interval range = field.interval(
+              {frame.position(first), frame.position(first + Vec3i{side - 1, side - 1, side - 1})});
+          here += static_cast<double>(range.lo)<band&& static_cast<double>(range.hi)> - band;
+        }
+        count += here;
+      },
+      progress);
+  progress.end();
+  return static_cast<double>(count);
+}
+
+}  // namespace
+
+Ground ground_of(const scene::BuiltScene& scene, const TerrainSettings& settings, Progress& progress) {
+  check(settings);
+  const double voxel = settings.voxel > 0 ? settings.voxel : scene.voxel;
+  const double band = settings.band > 0 ? settings.band : 4 * voxel;
+  const mesh::Boundary boundary = settings.boundary.value_or(scene.boundary());
+  const field::CompiledField field = scene.field_for(boundary);
+  Box3d box = field.bounds();
+  if (box.empty())
+    fail(ErrorKind::usage, "the scene has no surface, so that there is nothing to stand on or dig in");
+  if (boundary == mesh::Boundary::open) {
+    const Box3d& sides = scene.terrain.box;
+    box = {{sides.lo.x, sides.lo.y, box.lo.z - settings.below}, {sides.hi.x, sides.hi.y, box.hi.z}};
+  } else {
+    box = box.grown(2 * voxel);
+  }
+  box.hi.z += settings.above;
+  const GridFrame frame = volume::frame_over(box, voxel);
+  check_memory(chunks_with_surface(field, frame, band, progress), frame, settings.precision, settings);
+  return {volume::sample(field, frame, {settings.precision, band}, progress), scene.terrain.origin, boundary,
+          band};
+}
+
+Ground ground_of(ScalarGrid grid, Vec3d origin, const TerrainSettings& settings) {
+  check(settings);
+  check_memory(static_cast<double>(grid.full_chunks()), grid.frame(), grid.precision(), settings);
+  const auto band = static_cast<float>(settings.band);
+  if (band > 0)
+    grid.edit(grid.samples(), [band](Vec3i, std::span<float> row) {
+      for (float& v : row) v = std::clamp(v, -band, band);
+    });
+  const Interval range = grid.range(grid.frame().box());
+  const double most = std::max(std::abs(range.lo), std::abs(range.hi));
+  if (!(most > 0)) fail(ErrorKind::usage, "the volume is 0 throughout, so that it has neither rock nor air");
+  return {std::move(grid), origin, settings.boundary.value_or(mesh::Boundary::solid), most};
+}
+
+Ground read_ground(const std::filesystem::path& file, const TerrainSettings& settings, Progress& progress) {
+  if (!io::can(file, io::Ability::read_volume))
+    return ground_of(scene::build(scene::load_scene(file), progress), settings, progress);
+  io::Volume volume = io::read_volume(file, progress);
+  return ground_of(std::move(volume.grid), volume.origin, settings);
+}
+
+}  // namespace tafoni::runtime::impl

@@ -1,0 +1,245 @@
+#include "tafoni/runtime/destructible_terrain.h"
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+#include "tafoni/io/format.h"
+#include "tafoni/runtime/test/operations.h"
+#include "tafoni/runtime/test/rocks.h"
+
+namespace tafoni::runtime {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using volume::Edit;
+using volume::Tool;
+
+TEST(DestructibleTerrain, LocalMeshesEqualTheWholeByteForByte) {
+  for (const auto boundary : {mesh::Boundary::open, mesh::Boundary::solid})
+    for (const auto precision : {volume::Precision::single, volume::Precision::half}) {
+      TerrainSettings settings;
+      settings.boundary = boundary;
+      DestructibleTerrain terrain = hills(settings, precision);
+      const Box3d box = world_box(terrain);
+      for (std::uint64_t i = 0; i < 120; ++i) {
+        terrain.apply(random_operation(i, box, 4));
+        if (i % 12 != 0) continue;
+        const SnapshotPtr now = terrain.snapshot();
+        mesh::GridMesher anew({boundary, true});
+        anew.update(now->grid(), {});
+        ASSERT_EQ(now->chunks(), anew.chunks());
+        for (const Vec3i c : anew.chunks()) ASSERT_TRUE(same(*now->chunk(c).mesh, *anew.chunk(c))) << i;
+      }
+    }
+}
+
+TEST(DestructibleTerrain, ChangesAreTheChunksWhoseMeshDiffers) {
+  DestructibleTerrain terrain = hills({});
+  EXPECT_EQ(terrain.version(), 1u);
+  EXPECT_EQ(terrain.changes_since(0).chunks, terrain.snapshot()->chunks());
+  EXPECT_THAT(terrain.changes_since(1).chunks, ElementsAre());
+  const Box3d box = world_box(terrain);
+  std::vector<SnapshotPtr> history{nullptr, terrain.snapshot()};
+  std::size_t none = 0, some = 0;
+  for (std::uint64_t i = 0; i < 150; ++i) {
+    const std::uint64_t version = terrain.apply(random_operation(i, box, 3));
+    EXPECT_EQ(version, i + 2);
+    EXPECT_EQ(terrain.version(), version);
+    history.push_back(terrain.snapshot());
+    const auto changes = terrain.changes_since(version - 1);
+    EXPECT_EQ(changes.version, version);
+    EXPECT_EQ(changes.chunks, differing(*history[version - 1], *history[version]));
+    changes.chunks.empty() ? ++none : ++some;
+    for (const Vec3i c : changes.chunks) EXPECT_EQ(terrain.chunk(c).version, version);
+  }
+  EXPECT_GT(none, 5u);
+  EXPECT_GT(some, 50u);
+  for (const std::uint64_t since : {std::uint64_t{1}, std::uint64_t{40}, std::uint64_t{149}}) {
+    // A chunk may have changed there and back; every one that differs now is told.
+    const auto told = terrain.changes_since(since).chunks;
+    for (const Vec3i c : differing(*history[since], *history.back()))
+      EXPECT_NE(std::find(told.begin(), told.end(), c), told.end());
+    for (const Vec3i c : told) EXPECT_GT(terrain.chunk(c).version, since);
+  }
+}
+
+TEST(DestructibleTerrain, OldSnapshotsStayAsTheyWere) {
+  DestructibleTerrain terrain = hills({});
+  const SnapshotPtr old = terrain.snapshot();
+  const volume::ScalarGrid grid = old->grid();
+  std::vector<mesh::GridChunkMesh> meshes;
+  for (const Vec3i c : old->chunks()) meshes.push_back(*old->chunk(c).mesh);
+  const Box3d box = world_box(terrain);
+  for (std::uint64_t i = 0; i < 100; ++i) terrain.apply(random_operation(i, box, 4));
+  EXPECT_EQ(old->version(), 1u);
+  EXPECT_TRUE(old->grid() == grid);
+  const auto chunks = old->chunks();
+  ASSERT_EQ(chunks.size(), meshes.size());
+  for (std::size_t i = 0; i < chunks.size(); ++i) EXPECT_TRUE(same(*old->chunk(chunks[i]).mesh, meshes[i]));
+}
+
+TEST(DestructibleTerrain, WorldPositionsFarFromZeroLoseNothing) {
+  DestructibleTerrain here = hills({}), there = hills({}, volume::Precision::single, far_away);
+  const Box3d box = world_box(here);
+  for (std::uint64_t i = 0; i < 60; ++i) {
+    Random r(5, i);
+    const auto eighth = [&](double lo, double hi) { return std::round(r.uniform(lo, hi) * 8) / 8; };
+    const double x = eighth(box.lo.x, box.hi.x), y = eighth(box.lo.y, box.hi.y);
+    const Vec3d at{x, y, eighth(-3, 3)};
+    here.explode(at, 3, 4);
+    there.explode(at + far_away, 3, 4);
+    here.apply(Tool::sphere(at, 1.5), Edit::remove);
+    there.apply(Tool::sphere(at + far_away, 1.5), Edit::remove);
+  }
+  const SnapshotPtr a = here.snapshot(), b = there.snapshot();
+  EXPECT_TRUE(a->grid() == b->grid());
+  ASSERT_EQ(a->chunks(), b->chunks());
+  for (const Vec3i c : a->chunks()) {
+    EXPECT_TRUE(same(*a->chunk(c).mesh, *b->chunk(c).mesh));
+    EXPECT_EQ(b->chunk(c).origin, far_away);
+  }
+  const auto hit = b->ray(far_away + Vec3d{1, 2, 50}, {0, 0, -1}, 100);
+  const auto near = a->ray({1, 2, 50}, {0, 0, -1}, 100);
+  ASSERT_TRUE(hit && near);
+  EXPECT_NEAR(hit->distance, near->distance, 1e-8);
+  EXPECT_NEAR(length(hit->point - far_away - near->point), 0, 1e-8);
+}
+
+TEST(DestructibleTerrain, QueriesMeetWhatWasDug) {
+  DestructibleTerrain terrain = hills({});
+  const Vec3d inside{0, 0.1, -6.1};
+  ASSERT_TRUE(terrain.snapshot()->solid(inside));
+  const SnapshotPtr before = terrain.snapshot();
+  terrain.apply(Tool::capsule({-20, 0.1, -6.1}, {20, 0.1, -6.1}, 2), Edit::remove);
+  const SnapshotPtr now = terrain.snapshot();
+  EXPECT_TRUE(before->solid(inside));
+  EXPECT_FALSE(now->solid(inside));
+  const auto down = now->ray(inside, {0, 0, -1}, 10);
+  ASSERT_TRUE(down);
+  EXPECT_NEAR(down->distance, 2, 0.02);
+  EXPECT_GT(down->normal.z, 0.9);
+  EXPECT_NEAR(now->closest(inside, 10)->distance, 2, 0.05);
+  EXPECT_FALSE(now->overlaps(query::Sphere{inside, 1.9}));
+  EXPECT_TRUE(now->overlaps(query::Sphere{inside, 2.1}));
+  EXPECT_FALSE(now->sweep(query::Sphere{inside, 1}, {15, 0, 0}));
+  EXPECT_NEAR(now->sweep(query::Sphere{inside, 1}, {0, 10, 0})->time, 0.1, 0.005);
+  const query::Slide slide = now->slide(query::Sphere{inside, 1}, {5, 10, 0});
+  EXPECT_GT(slide.moved.x, 2);
+  EXPECT_FALSE(now->overlaps(query::Sphere{inside + slide.moved, 1}));
+  ASSERT_TRUE(now->contact(query::Sphere{inside + Vec3d{0, 1.5, 0}, 1}));
+  EXPECT_NEAR(now->contact(query::Sphere{inside + Vec3d{0, 1.5, 0}, 1})->depth, 0.5, 0.05);
+}
+
+TEST(DestructibleTerrain, EveryThreadCountGivesTheSameBytes) {
+  std::vector<SnapshotPtr> ends;
+  std::vector<DestructibleTerrain::State> states;
+  for (const int threads : {1, 2, 5}) {
+    set_thread_count(threads);
+    DestructibleTerrain terrain = hills({});
+    const Box3d box = world_box(terrain);
+    for (std::uint64_t i = 0; i < 60; ++i) terrain.apply(random_operation(i, box, 4));
+    ends.push_back(terrain.snapshot());
+    states.push_back(terrain.state());
+  }
+  set_thread_count(0);
+  for (std::size_t i = 1; i < ends.size(); ++i) {
+    EXPECT_TRUE(ends[i]->grid() == ends[0]->grid());
+    EXPECT_EQ(states[i], states[0]);
+    EXPECT_THAT(differing(*ends[i], *ends[0]), ElementsAre());
+  }
+}
+
+TEST(DestructibleTerrain, PeersThatMakeTheSameEditsAgree) {
+  DestructibleTerrain a = hills({}), b = hills({}), late = hills({});
+  EXPECT_EQ(a.base(), b.base());
+  const Box3d box = world_box(a);
+  for (std::uint64_t i = 0; i < 80; ++i) {
+    const Message message = encode(random_operation(i, box, 4));
+    a.apply({&message, 1});
+    b.apply({&message, 1});
+    if (i % 20 == 0) {
+      EXPECT_EQ(a.state(), b.state());
+    }
+  }
+  late.apply(a.edits_since(1));
+  EXPECT_EQ(late.state(), a.state());
+  EXPECT_THAT(differing(*late.snapshot(), *a.snapshot()), ElementsAre());
+  EXPECT_EQ(a.edits_since(80).size(), 1u);
+  EXPECT_EQ(a.edits_since(81).size(), 0u);
+  // One edit more, or one in another order, shows.
+  a.explode(box.center(), 3, 2);
+  EXPECT_NE(a.state().hash, b.state().hash);
+  EXPECT_NE(a.base(), hills({}, volume::Precision::half).base());
+  EXPECT_NE(a.base(), hills({}, volume::Precision::single, far_away).base());
+}
+
+TEST(DestructibleTerrain, RefusedEditsChangeNothing) {
+  DestructibleTerrain terrain = hills({});
+  const SnapshotPtr before = terrain.snapshot();
+  const auto state = terrain.state();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(terrain.explode({nan, 0, 0}, 1, 1), Error);
+  EXPECT_THROW(terrain.explode({0, 0, 0}, -1, 1), Error);
+  std::vector<Message> messages{encode(Explosion{{0, 0, 0}, 4, 5}), Message(7)};
+  EXPECT_THROW(terrain.apply(messages), Error);
+  Progress cancelled;
+  cancelled.cancel();
+  messages.pop_back();
+  EXPECT_THROW(terrain.apply(messages, cancelled), Error);
+  EXPECT_EQ(terrain.snapshot(), before);
+  EXPECT_EQ(terrain.state(), state);
+  terrain.apply(messages);
+  DestructibleTerrain other = hills({});
+  other.apply(messages);
+  EXPECT_EQ(terrain.state(), other.state());
+  EXPECT_THAT(differing(*terrain.snapshot(), *other.snapshot()), ElementsAre());
+}
+
+TEST(DestructibleTerrain, OpensScenesAndVolumes) {
+  const fs::path root = fs::path(testing::TempDir()) / ("tafoni_terrain_" + std::to_string(::getpid()));
+  fs::create_directories(root);
+  std::ofstream(root / "a.toml") << R"(
+    scene = { voxel = 2.0 }
+    terrain = { generator = "coast", width = 120, height = 100 }
+    layer = [{ type = "sea-cliff", range = 8.0 }]
+  )";
+  TerrainSettings settings;
+  DestructibleTerrain terrain = DestructibleTerrain::open(root / "a.toml", settings);
+  const SnapshotPtr now = terrain.snapshot();
+  EXPECT_EQ(now->grid().frame().spacing, 2);
+  const auto ground = now->ray(now->origin() + Vec3d{0, 0, 500}, {0, 0, -1}, 1000);
+  ASSERT_TRUE(ground);
+  const scene::BuiltScene scene = scene::build(scene::load_scene(root / "a.toml"));
+  EXPECT_NEAR(scene.field_for(mesh::Boundary::solid).value(ground->point - scene.terrain.origin), 0, 0.3);
+  EXPECT_EQ(now->origin(), scene.terrain.origin);
+
+  io::write_volume(root / "a.tvol", {now->grid(), now->origin(), {}});
+  settings.band = 8;
+  DestructibleTerrain again = DestructibleTerrain::open(root / "a.tvol", settings);
+  EXPECT_EQ(again.state(), terrain.state());
+  EXPECT_EQ(again.base(), terrain.base());
+
+  settings.voxel = 0.02;
+  try {
+    DestructibleTerrain::open(root / "a.toml", settings);
+    ADD_FAILURE() << "a terrain that is too large was opened";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::usage);
+    EXPECT_THAT(error.what(), HasSubstr("GB"));
+  }
+  settings.voxel = -1;
+  EXPECT_THROW(DestructibleTerrain::open(root / "a.toml", settings), Error);
+  fs::remove_all(root);
+}
+
+}  // namespace
+}  // namespace tafoni::runtime
