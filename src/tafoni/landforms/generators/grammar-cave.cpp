@@ -42,6 +42,7 @@ struct Params {
   std::vector<double> at;
   double passage = 1.8;
   double roof = 2.5;
+  double storeys = 0.5;
   bool floor = true;
   double roughness = 0.12;
   double bedding = 0.08;
@@ -89,6 +90,8 @@ const ParamTable<Params>& table() {
                  "solid: x, y and z of its middle; empty for a good place")
         .real("passage", &Params::passage, "m", 1.5, 50, "radius of the entrance passage")
         .real("roof", &Params::roof, "m", 0, 1000, "least rock over a cave")
+        .real("storeys", &Params::storeys, "", 0, 100,
+              "most that the middle of a shape lies above or below the entrance, as a multiple of the size")
         .boolean("floor", &Params::floor, "whether sediment makes a floor that can be walked")
         .real("roughness", &Params::roughness, "", 0, 1,
               "how far walls are bent at random, as a share of the size; 0 for the pure shapes")
@@ -128,13 +131,19 @@ grammar::Settings settings_of(const Params& p, double size, std::uint64_t seed) 
   return s;
 }
 
-/// Within the rock, `roof` metres below the ground, where the layer may act.
+/// Within the rock, `roof` metres below the ground, where the layer may act, and level with the mouth but for
+/// `climb` metres.
 class Room {
  public:
-  Room(const Ground& ground, const Pose& frame, double roof)
-      : ground_(ground), rock_(field::compile(ground.site().terrain)), frame_(frame), roof_(roof) {}
+  Room(const Ground& ground, const Pose& frame, double roof, double climb)
+      : ground_(ground),
+        rock_(field::compile(ground.site().terrain)),
+        frame_(frame),
+        roof_(roof),
+        climb_(climb) {}
 
   bool operator()(const Box3d& box) const {
+    if (std::abs(box.center().z) > climb_) return false;
     constexpr int n = 4;
     std::vector<Vec3d> points;
     for (int i = 0; i <= n; ++i)
@@ -154,7 +163,7 @@ class Room {
   const Ground& ground_;
   field::CompiledField rock_;
   Pose frame_;
-  double roof_;
+  double roof_, climb_;
 };
 
 /// The way in: from before the mouth through every part that can be reached on foot.
@@ -269,7 +278,7 @@ class Cave {
   /// A cone that opens outward, on which the grammar goes on at its inner end.
   void begin(double length) {
     constexpr double before = 4;
-    const double wide = 1.4 * p_.passage;
+    const double wide = flare * p_.passage;
     const auto& cone = grammar::find_solid("cone");
     grammar::Shape shape =
         shape_of(cone.make({{"base", wide}, {"tip", p_.passage}, {"height", length + before}}));
@@ -282,7 +291,7 @@ class Cave {
 
   /// As short a passage as lets the grammar grow, but no shorter.
   bool dig() {
-    const Room room(ground_, frame_, p_.roof);
+    const Room room(ground_, frame_, p_.roof, way_.lift + p_.storeys * size_);
     Assembly best;
     const auto count = [](const Assembly& a) { return a.classic() + a.morphic(); };
     for (const double length : {5.0, 8.0, 12.0, 17.0, 24.0, 34.0}) {
@@ -316,7 +325,7 @@ class Cave {
       Vec3d to = part.core.center(), door = part.door.point;
       const double before = plan(from.at, door), length = before + plan(door, to), most = steepest * length;
       to.z = std::clamp(part.core.lo.z + 0.3 * part.core.size().z, from.at.z - most, from.at.z + most);
-      if (length < 1 || to.z < part.core.lo.z - 0.5 || to.z > part.core.hi.z - headroom) continue;
+      if (length < 0.1 || to.z < part.core.lo.z - 0.5 || to.z > part.core.hi.z - headroom) continue;
       door.z = from.at.z + (to.z - from.at.z) * before / length;
       nodes[i] = {true, to, door, from.length + length, part.parent};
       if (nodes[i].length > nodes[last].length) last = i;
@@ -326,8 +335,9 @@ class Cave {
     Vec3d outside = frame_.placed(Vec3d{-apron, 0, 0});
     outside.z = ground_.height(outside.x, outside.y);
     const Vec3d mouth = frame_.at, inner = frame_.placed(nodes[0].at);
-    found_.stretches.push_back({outside, mouth});
-    found_.stretches.push_back({mouth, inner});
+    const double wide = flare * p_.passage + 0.5;
+    found_.stretches.push_back({outside, mouth, wide});
+    found_.stretches.push_back({mouth, inner, wide});
     std::vector<Vec3d> back;
     for (auto i = static_cast<int>(last); i > 0; i = nodes[static_cast<std::size_t>(i)].parent) {
       back.push_back(frame_.placed(nodes[static_cast<std::size_t>(i)].at));
@@ -385,7 +395,8 @@ class Cave {
     return result;
   }
 
-  static constexpr double apron = 6;
+  static constexpr double apron = 6;    // metres walked before the mouth
+  static constexpr double flare = 1.4;  // of the passage towards the mouth
   const Ground& ground_;
   const Site& site_;
   const Params& p_;

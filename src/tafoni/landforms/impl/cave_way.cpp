@@ -73,7 +73,7 @@ class Floor final : public Gentle {
     double most = -1e12;
     for (const Stretch& s : way_) {
       const Vec3d on = s.from + (s.to - s.from) * along(s, p, true);
-      const double off = std::max(0.0, std::hypot(p.x - on.x, p.y - on.y) - settings_.width);
+      const double off = std::max(0.0, std::hypot(p.x - on.x, p.y - on.y) - s.width);
       most = std::max(most, std::min((on.z - p.z) * cosine - off * sine, p.z - (on.z - settings_.depth)));
     }
     return most;

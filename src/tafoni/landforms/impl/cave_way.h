@@ -12,12 +12,12 @@ namespace tafoni::landforms::impl {
 /// A piece of the way, on the floor; local metres.
 struct Stretch {
   Vec3d from, to;
+  double width = 1.2;  ///< metres to each side over which the floor is level
 };
 
 struct WaySettings {
   double radius = 1.5;  ///< metres; of the room along the way
   double lift = 1.3;    ///< of the middle of that room over the floor
-  double width = 1.2;   ///< metres to each side over which the floor is level
   double depth = 4;     ///< how thick the sediment is at most
   double bumps = 0.12;  ///< most that the floor rises or falls
   std::uint64_t seed = 0;

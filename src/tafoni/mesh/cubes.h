@@ -1,0 +1,29 @@
+#pragma once
+// Volume by counting cubes (document 004, section 4.2).
+
+#include <cstdint>
+
+#include "tafoni/core/progress.h"
+#include "tafoni/field/compiled.h"
+#include "tafoni/mesh/mesh.h"
+
+namespace tafoni::mesh {
+
+struct Cubes {
+  double edge = 0;          ///< C_E, metres
+  std::uint64_t count = 0;  ///< N_C: cubes of the lattice whose eight corners lie inside
+  double volume() const { return static_cast<double>(count) * edge * edge * edge; }
+};
+
+/// Of a solid within `box`; both local metres. Cubes lie on the global lattice of multiples of `edge`.
+/// V_M = N_C C_E^3 is too small by about half a cube times the surface. Throws Error{usage} for more than
+/// 2^31 samples along an axis.
+Cubes inside_cubes(const field::CompiledField& field, const Box3d& box, double edge,
+                   Progress& progress = silent());
+
+/// Of a closed mesh, by crossings along lines parallel to z. The lattice stands off multiples of `edge` by an
+/// odd fraction, so that no line meets an edge of a mesh made on a lattice. Means nothing where the mesh is
+/// not closed.
+Cubes inside_cubes(const Mesh& mesh, double edge, Progress& progress = silent());
+
+}  // namespace tafoni::mesh

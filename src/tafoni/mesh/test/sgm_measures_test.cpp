@@ -1,0 +1,163 @@
+// The measures of document 004 against solids that are known exactly.
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "tafoni/field/function.h"
+#include "tafoni/field/tree.h"
+#include "tafoni/mesh/convexity.h"
+#include "tafoni/mesh/cubes.h"
+#include "tafoni/mesh/metrics.h"
+#include "tafoni/mesh/polygonize.h"
+
+namespace tafoni::mesh {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+/// A distance, positive inside.
+class Distance final : public field::Function {
+ public:
+  explicit Distance(double (*d)(Vec3d)) : d_(d) {}
+  void values(std::span<const Vec3d> points, std::span<float> out) const override {
+    for (std::size_t i = 0; i < points.size(); ++i) out[i] = static_cast<float>(d_(points[i]));
+  }
+  Interval range(const Box3d& box) const override {
+    const double middle = d_(box.center()), way = length(box.size()) / 2 + 1e-3;
+    return {static_cast<float>(middle - way), static_cast<float>(middle + way)};
+  }
+
+ private:
+  double (*d_)(Vec3d);
+};
+
+double sphere(Vec3d p) {
+  return 3 - length(p - Vec3d{0.1, 0.2, 0.3});
+}
+double box(Vec3d p) {
+  const Vec3d q{std::abs(p.x) - 3.03, std::abs(p.y) - 2.02, std::abs(p.z) - 1.01};
+  const Vec3d out{std::max(q.x, 0.0), std::max(q.y, 0.0), std::max(q.z, 0.0)};
+  return -length(out) - std::min(std::max({q.x, q.y, q.z}), 0.0);
+}
+double cube(Vec3d p) {
+  return 2 - std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+}
+double torus(Vec3d p) {
+  return 1 - std::hypot(std::hypot(p.x, p.y) - 3, p.z);
+}
+
+struct Known {
+  const char* name;
+  double (*distance)(Vec3d);
+  double volume, area;
+};
+const Known solids[] = {
+    {"sphere", sphere, 4.0 / 3 * pi * 27, 4 * pi * 9},
+    {"box", box, 8 * 3.03 * 2.02 * 1.01, 8 * (3.03 * 2.02 + 2.02 * 1.01 + 1.01 * 3.03)},
+    {"torus", torus, 2 * pi* pi * 3, 4 * pi* pi * 3},
+};
+
+constexpr Box3d around{{-4.5, -4.5, -4.5}, {4.5, 4.5, 4.5}};
+
+field::CompiledField field_of(const Known& known) {
+  return field::compile(field::function(std::make_shared<Distance>(known.distance)));
+}
+
+Mesh mesh_of(const Known& known, double voxel) {
+  PolygonizeSettings settings;
+  settings.voxel = voxel;
+  settings.region = around;
+  return polygonize(field_of(known), settings);
+}
+
+TEST(Measures, VolumeAndAreaConvergeToTheTruth) {
+  for (const Known& known : solids) {
+    double last = 1e9;
+    for (const double voxel : {0.4, 0.2, 0.1, 0.05}) {
+      const MeshMetrics m = metrics(mesh_of(known, voxel));
+      const double volume = std::abs(m.volume / known.volume - 1), area = std::abs(m.area / known.area - 1);
+      // A chord's error: the square of the cell over that of the radius; 1 m here.
+      EXPECT_LT(volume, 0.3 * voxel * voxel) << known.name << voxel;
+      // A box's edges are cut off by up to a cell, which takes 2 - sqrt(2) of a cell's width along them.
+      constexpr double edges = 8 * (3.03 + 2.02 + 1.01);
+      EXPECT_LT(area, known.distance == box ? 0.586 * voxel * edges / known.area : 0.3 * voxel * voxel)
+          << known.name << voxel;
+      EXPECT_LT(volume + area, last) << known.name << voxel;
+      last = volume + area;
+    }
+  }
+}
+
+TEST(Measures, CubesInsideMissHalfACubeOfTheSurface) {
+  for (const Known& known : solids)
+    for (const double edge : {0.25, 0.1, 0.05}) {
+      const Cubes cubes = inside_cubes(field_of(known), around, edge);
+      EXPECT_EQ(cubes.volume(), static_cast<double>(cubes.count) * edge * edge * edge);
+      EXPECT_LE(cubes.volume(), known.volume);
+      // A cube that crosses the surface reaches in by its diagonal at most.
+      EXPECT_GT(cubes.volume(), known.volume - known.area * edge * 1.2) << known.name << edge;
+      const Cubes counted = inside_cubes(mesh_of(known, 0.05), edge);
+      EXPECT_LE(counted.volume(), known.volume * 1.001);
+      EXPECT_GT(counted.volume(), known.volume - known.area * edge * 1.2) << known.name << edge;
+      // A level face may lie just before or just behind a layer of samples; round ones average out.
+      if (known.distance != box) {
+        EXPECT_NEAR(counted.volume(), cubes.volume(), 0.1 * known.area * edge) << known.name << edge;
+      }
+    }
+}
+
+TEST(Measures, CubesAreThoseWithEightCornersInside) {
+  const field::CompiledField field = field_of(solids[2]);
+  constexpr double edge = 0.3;
+  std::uint64_t count = 0;
+  for (int i = -16; i < 16; ++i)
+    for (int j = -16; j < 16; ++j)
+      for (int k = -16; k < 16; ++k) {
+        bool all = true;
+        for (int c = 0; c < 8; ++c)
+          all &= field.value({edge * (i + (c & 1)), edge * (j + (c >> 1 & 1)), edge * (k + (c >> 2))}) > 0;
+        count += all;
+      }
+  EXPECT_EQ(inside_cubes(field, around, edge).count, count);
+}
+
+TEST(Measures, ACubeIsConvexAndItsHollowIsNot) {
+  // Faces on the lattice, and half a cell off it. Elsewhere the corners of a polygonized box are dented a
+  // little, since samples beside a corner are nearer to another face than the one that is crossed.
+  for (const double voxel : {0.2, 0.16}) EXPECT_EQ(convexity(mesh_of({"", cube, 0, 0}, voxel)).factor(), 100);
+  EXPECT_GT(convexity(mesh_of(solids[1], 0.2)).factor(), 95);
+  // Twelve triangles: twelve edges bent, six diagonals flat.
+  Mesh plain;
+  for (int c = 0; c < 8; ++c)
+    plain.positions.push_back(
+        to_float({static_cast<double>(c & 1), static_cast<double>(c >> 1 & 1), static_cast<double>(c >> 2)}));
+  plain.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                     {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  EXPECT_NEAR(metrics(plain).volume, 1, 1e-12);
+  const Convexity edges = convexity(plain);
+  EXPECT_EQ(edges.convex, 12u);
+  EXPECT_EQ(edges.concave, 0u);
+  EXPECT_EQ(edges.flat, 6u);
+  EXPECT_EQ(edges.factor(), 100);
+  for (auto& t : plain.triangles) std::swap(t[1], t[2]);
+  EXPECT_EQ(convexity(plain).factor(), 0);
+}
+
+TEST(Measures, ANotchMakesOneConcaveEdge) {
+  // A roof of two slopes, pressed in along its ridge.
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {0, 1, 0}, {-1, 0.5f, 0.3f}, {1, 0.5f, 0.3f}};
+  mesh.triangles = {{0, 1, 2}, {1, 0, 3}};
+  EXPECT_EQ(convexity(mesh).concave, 1u);
+  mesh.positions[2].z = mesh.positions[3].z = -0.3f;
+  EXPECT_EQ(convexity(mesh).convex, 1u);
+  mesh.positions[2].z = mesh.positions[3].z = 0;
+  EXPECT_EQ(convexity(mesh).flat, 1u);
+}
+
+}  // namespace
+}  // namespace tafoni::mesh
