@@ -1,6 +1,7 @@
 #include "tafoni/mesh/grid_mesher.h"
 
 #include <algorithm>
+#include <bit>
 #include <mutex>
 #include <optional>
 #include <tuple>
@@ -20,6 +21,10 @@ using volume::SampleBox;
 
 bool before(Vec3i a, Vec3i b) {
   return std::tie(a.y, a.x, a.z) < std::tie(b.y, b.x, b.z);
+}
+
+bool voxel_before(Vec3i a, Vec3i b) {
+  return std::tie(a.z, a.y, a.x) < std::tie(b.z, b.y, b.x);
 }
 
 /// A chunk to be made anew, and which samples may have changed.
@@ -53,7 +58,7 @@ bool may_have_surface(const volume::ScalarGrid& grid, const GridLayout& layout, 
 }  // namespace
 
 std::pair<std::uint32_t, std::uint32_t> VoxelPolygons::of(Vec3i voxel) const {
-  const auto found = std::lower_bound(voxels.begin(), voxels.end(), voxel, impl::voxel_before);
+  const auto found = std::lower_bound(voxels.begin(), voxels.end(), voxel, voxel_before);
   if (found == voxels.end() || !(*found == voxel)) return {0, 0};
   const auto at = static_cast<std::size_t>(found - voxels.begin());
   return {first[at], first[at + 1]};
@@ -171,6 +176,39 @@ std::vector<Vec3i> GridMesher::chunks() const {
   return out;
 }
 
+namespace {
+
+/// The edges of a chunk's vertices, in their order: the sample of the grid that each starts from, and its
+/// axis.
+template <class F>
+void for_edges(const GridLayout& layout, Vec3i chunk, const GridChunkState& state, const F& visit) {
+  const auto block = layout.block(chunk);
+  std::uint32_t vertex = 0;
+  for (int k = 0; k < block.samples.z; ++k)
+    for (int j = 0; j < block.samples.y; ++j) {
+      const impl::RowEdges e = state.edges(block, j, k);
+      const std::uint64_t axes[] = {e.x, e.y, e.z};
+      for (int axis = 0; axis < 3; ++axis)
+        for (std::uint64_t left = axes[axis]; left; left &= left - 1)
+          visit(vertex++, block.origin + Vec3i{std::countr_zero(left), j, k}, axis);
+    }
+}
+
+/// The vertex of a chunk on the edge that starts from a sample of the grid.
+std::uint32_t vertex_on(const GridLayout& layout, Vec3i chunk, const GridChunkState& state, Vec3i start,
+                        int axis) {
+  const auto block = layout.block(chunk);
+  const Vec3i at = start - block.origin;
+  const impl::RowEdges e = state.edges(block, at.y, at.z);
+  const std::uint64_t axes[] = {e.x, e.y, e.z}, below = (std::uint64_t{1} << at.x) - 1;
+  auto vertex = state.vertex_at[static_cast<std::size_t>(at.z * block.samples.y + at.y)];
+  for (int a = 0; a <= axis; ++a)
+    vertex += static_cast<std::uint32_t>(std::popcount(a < axis ? axes[a] : axes[a] & below));
+  return vertex;
+}
+
+}  // namespace
+
 Mesh GridMesher::assemble() const {
   const State& s = *state_;
   if (!s.complete) fail(ErrorKind::internal, "a mesh cannot be assembled before an update() has succeeded");
@@ -180,30 +218,23 @@ Mesh GridMesher::assemble() const {
   Mesh out;
   for (Vec3i at : order) {
     const GridChunkState& state = s.chunks.at(at);
-    const Vec3i origin = s.layout->block(at).origin;
     auto& number = numbers[at];
-    number.resize(state.edges.size());
-    for (std::size_t v = 0; v < number.size(); ++v) {
-      if (!(s.layout->owner(origin + impl::place_start(state.edges[v])) == at)) continue;
+    number.resize(state.mesh->positions.size());
+    for_edges(*s.layout, at, state, [&](std::uint32_t v, Vec3i start, int) {
+      if (!(s.layout->owner(start) == at)) return;
       number[v] = static_cast<std::uint32_t>(out.positions.size());
       out.positions.push_back(state.mesh->positions[v]);
       out.normals.push_back(state.mesh->normals[v]);
-    }
+    });
   }
   for (Vec3i at : order) {
     const GridChunkState& state = s.chunks.at(at);
-    const Vec3i origin = s.layout->block(at).origin;
     auto& number = numbers[at];
-    for (std::size_t v = 0; v < number.size(); ++v) {
-      const Vec3i start = origin + impl::place_start(state.edges[v]);
+    for_edges(*s.layout, at, state, [&](std::uint32_t v, Vec3i start, int axis) {
       const Vec3i owner = s.layout->owner(start);
-      if (owner == at) continue;
-      const Vec3i in = start - s.layout->block(owner).origin;
-      const auto& edges = s.chunks.at(owner).edges;
-      const std::uint32_t place = impl::edge_place(in.x, in.y, in.z, impl::place_axis(state.edges[v]));
-      number[v] = numbers[owner][static_cast<std::size_t>(
-          std::lower_bound(edges.begin(), edges.end(), place) - edges.begin())];
-    }
+      if (!(owner == at))
+        number[v] = numbers.at(owner)[vertex_on(*s.layout, owner, s.chunks.at(owner), start, axis)];
+    });
     for (const auto& t : state.mesh->triangles)
       out.triangles.push_back({number[t[0]], number[t[1]], number[t[2]]});
   }

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
 
 #include "tafoni/mesh/impl/cases.h"
 #include "tafoni/mesh/impl/convex.h"
-#include "tafoni/mesh/impl/lattice.h"
 
 namespace tafoni::mesh::impl {
 namespace {
@@ -15,134 +13,107 @@ namespace {
 using volume::SampleBox;
 using volume::ScalarGrid;
 
-constexpr int side = ScalarGrid::chunk_samples;
-static_assert(side == 1 << 5);
-
 /// What the layer of air around a solid's frame holds: so low that walls lie where vertices end.
 constexpr float air = -1e15f;
 
-struct Axis {
-  int first, samples, lo, hi;
-};
-
-/// Along one axis: chunk `at` of `chunks` with n samples in the frame.
-Axis axis_of(int at, int chunks, int n, bool solid) {
-  const int frame_lo = solid ? -1 : 0, frame_hi = solid ? n : n - 1;
-  const int lo = at == 0 ? frame_lo : side * at, hi = at == chunks - 1 ? frame_hi : side * (at + 1);
-  const int first = std::max(lo - 1, frame_lo), last = std::min(hi + 1, frame_hi);
-  return {first, last - first + 1, lo - first, hi - first};
+constexpr std::uint64_t bits(int from, int to) {
+  return ((std::uint64_t{1} << to) - 1) & ~((std::uint64_t{1} << from) - 1);
 }
 
-float margin_of(const volume::GridFrame& frame) {
-  const Box3d box = frame.box();
-  double reach = 0;
-  for (Vec3d p : {box.lo, box.hi}) reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-  return margin_for(static_cast<std::int64_t>(std::min(reach / frame.spacing, 1e15)) + 2);
+std::uint32_t count(const RowEdges& e) {
+  return static_cast<std::uint32_t>(std::popcount(e.x) + std::popcount(e.y) + std::popcount(e.z));
 }
 
 }  // namespace
 
-GridLayout::GridLayout(const volume::GridFrame& f, Boundary b) : frame(f), boundary(b), margin(margin_of(f)) {
-  const auto count = [](int samples) { return (samples - 2) / side + 1; };
-  chunks_ = {count(f.size.x), count(f.size.y), count(f.size.z)};
-}
-
-GridLayout::Block GridLayout::block(Vec3i chunk) const {
-  const bool solid = boundary == Boundary::solid;
-  const Axis x = axis_of(chunk.x, chunks_.x, frame.size.x, solid);
-  const Axis y = axis_of(chunk.y, chunks_.y, frame.size.y, solid);
-  const Axis z = axis_of(chunk.z, chunks_.z, frame.size.z, solid);
-  return {
-      {x.first, y.first, z.first}, {x.samples, y.samples, z.samples}, {x.lo, y.lo, z.lo}, {x.hi, y.hi, z.hi}};
-}
-
-std::pair<Vec3i, Vec3i> GridLayout::touched(const SampleBox& s) const {
-  const Vec3i n = frame.size;
-  const SampleBox in{{std::max(s.lo.x, 0), std::max(s.lo.y, 0), std::max(s.lo.z, 0)},
-                     {std::min(s.hi.x, n.x - 1), std::min(s.hi.y, n.y - 1), std::min(s.hi.z, n.z - 1)}};
-  if (in.empty()) return {{0, 0, 0}, {-1, -1, -1}};
-  // Chunk a reads the samples from 32 a - 1 to 32 a + 33.
-  const auto first = [](int lo) { return std::max(lo - 2, 0) >> 5; };
-  const auto last = [](int hi, int chunks) { return std::min((hi + 1) >> 5, chunks - 1); };
-  return {{first(in.lo.x), first(in.lo.y), first(in.lo.z)},
-          {last(in.hi.x, chunks_.x), last(in.hi.y, chunks_.y), last(in.hi.z, chunks_.z)}};
-}
-
-Vec3i GridLayout::owner(Vec3i s) const {
-  return {std::clamp(s.x >> 5, 0, chunks_.x - 1), std::clamp(s.y >> 5, 0, chunks_.y - 1),
-          std::clamp(s.z >> 5, 0, chunks_.z - 1)};
+RowEdges GridChunkState::edges(const GridLayout::Block& block, int j, int k) const {
+  const Vec3i lo = block.lo, hi = block.hi;
+  if (j < lo.y || j > hi.y || k < lo.z || k > hi.z) return {};
+  const std::uint64_t* row = solid.data() + static_cast<std::ptrdiff_t>(k) * block.samples.y + j;
+  const std::uint64_t columns = bits(lo.x, hi.x + 1);
+  return {(row[0] ^ (row[0] >> 1)) & bits(lo.x, hi.x), j < hi.y ? (row[0] ^ row[1]) & columns : 0,
+          k < hi.z ? (row[0] ^ row[block.samples.y]) & columns : 0};
 }
 
 GridChunkMaker::GridChunkMaker(const GridLayout& layout, bool polygons)
     : layout_(layout), polygons_(polygons) {
-  constexpr std::size_t most = side + 5, slack = most * most + most + 1;
+  constexpr std::size_t most = ScalarGrid::chunk_samples + 5, slack = most * most + most + 1;
   memory_.assign(most * most * most + 2 * slack, 0.0f);
   samples_ = memory_.data() + slack;
+  lower_.resize(most);
+  upper_.resize(most);
 }
 
 bool GridChunkMaker::make(const ScalarGrid& grid, Vec3i chunk, const SampleBox& changed,
                           std::uint64_t version, GridChunkState& state) {
   state_ = &state;
   block_ = layout_.block(chunk);
+  choose_parts(changed);
   const Vec3i n = block_.samples;
-  const auto rows = [](int lo, int hi, int count) { return Rows{std::max(lo, 0), std::min(hi, count - 1)}; };
-  if (state.solid.empty()) {
-    state.solid.assign(static_cast<std::size_t>(n.y) * static_cast<std::size_t>(n.z), 0);
-    state.cut.assign(static_cast<std::size_t>(n.y - 1) * static_cast<std::size_t>(n.z - 1), 0);
-    state.any_cut.assign(static_cast<std::size_t>(n.z - 1), 0);
-    state.edges.clear();
-    state.merges.clear();
-    changed_rows_ = fresh_rows_ = {0, n.y - 1};
-    changed_planes_ = fresh_planes_ = {0, n.z - 1};
-  } else {
-    const Vec3i lo = changed.lo - block_.origin, hi = changed.hi - block_.origin;
-    changed_rows_ = rows(lo.y, hi.y, n.y);
-    changed_planes_ = rows(lo.z, hi.z, n.z);
-    // An edge has its ends in two rows, and their gradients need one row more on each side.
-    fresh_rows_ = rows(lo.y - 2, hi.y + 1, n.y);
-    fresh_planes_ = rows(lo.z - 2, hi.z + 1, n.z);
-  }
-  read(grid, {{0, std::max(fresh_rows_.first - 1, 0), std::max(fresh_planes_.first - 1, 0)},
-              {n.x - 1, std::min(fresh_rows_.last + 2, n.y - 1), std::min(fresh_planes_.last + 2, n.z - 1)}});
+  read(grid, {{std::max(fresh_.rows.first - 1, 0), std::min(fresh_.rows.last + 2, n.y - 1)},
+              {std::max(fresh_.planes.first - 1, 0), std::min(fresh_.planes.last + 2, n.z - 1)}});
   update_bits();
-
-  const Vec3i first{std::max(-block_.origin.x, 0), std::max(-block_.origin.y, 0),
-                    std::max(-block_.origin.z, 0)};
-  const Vec3i end = layout_.frame.size - block_.origin;
-  plane_ = {};
-  plane_.row_step = n.x;
-  plane_.plane_step = n.x * n.y;
-  plane_.x0 = first.x, plane_.y0 = first.y, plane_.z0 = first.z;
-  plane_.nx = std::min(n.x, end.x), plane_.ny = std::min(n.y, end.y), plane_.nz = std::min(n.z, end.z);
-  plane_.i0 = block_.origin.x, plane_.j0 = block_.origin.y;
-  plane_.voxel = layout_.frame.spacing;
-  plane_.origin = layout_.frame.origin;
-  plane_.margin = layout_.margin;
-  positions_.clear();
-  normals_.clear();
-  edges_.clear();
-  indices_.clear();
-  walker_.walk(samples_, n.x, n.y, n.z, n.x, static_cast<std::ptrdiff_t>(n.x) * n.y, *this, *this,
-               state.solid.data());
-  return finish(version);
+  count_vertices();
+  make_triangles();
+  if (triangle_at_.back() == 0) {
+    const bool had = state.mesh != nullptr;
+    state = {};
+    return had;
+  }
+  auto made = std::make_shared<GridChunkMesh>();
+  made->version = version;
+  place_all(*made);
+  gather_triangles(*made);
+  const auto same = [](const auto& a, const auto& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
+  };
+  const GridChunkMesh* old = state.mesh.get();
+  const bool differs = !old || !same(old->triangles, made->triangles) ||
+                       !same(old->positions, made->positions) || !same(old->normals, made->normals);
+  if (differs && polygons_) gather_polygons(*made);
+  if (differs) state.mesh = std::move(made);
+  state.vertex_at.swap(vertex_at_);
+  state.triangle_at.swap(triangle_at_);
+  return differs;
 }
 
-void GridChunkMaker::read(const ScalarGrid& grid, const SampleBox& part) {
+/// Which rows to look at again.
+void GridChunkMaker::choose_parts(const SampleBox& changed) {
   const Vec3i n = block_.samples;
-  for (int k = part.lo.z; k <= part.hi.z; ++k) {
-    const Vec3i lo = block_.origin + Vec3i{0, part.lo.y, k};
-    grid.read({lo, {lo.x + n.x - 1, block_.origin.y + part.hi.y, lo.z}},
-              samples_ + (static_cast<std::ptrdiff_t>(k) * n.y + part.lo.y) * n.x);
+  GridChunkState& s = *state_;
+  if (s.solid.empty()) {
+    s.solid.assign(static_cast<std::size_t>(n.y) * static_cast<std::size_t>(n.z), 0);
+    s.vertex_at.clear();
+    s.triangle_at.clear();
+    changed_ = fresh_ = {{0, n.y - 1}, {0, n.z - 1}};
+    recut_ = {{0, n.y - 2}, {0, n.z - 2}};
+    return;
+  }
+  const auto rows = [](int lo, int hi, int end) { return Rows{std::max(lo, 0), std::min(hi, end - 1)}; };
+  const Vec3i lo = changed.lo - block_.origin, hi = changed.hi - block_.origin;
+  changed_ = {rows(lo.y, hi.y, n.y), rows(lo.z, hi.z, n.z)};
+  // An edge has its ends in two rows, and their gradients need one row more on each side.
+  fresh_ = {rows(lo.y - 2, hi.y + 1, n.y), rows(lo.z - 2, hi.z + 1, n.z)};
+  // A voxel has edges that start in two rows.
+  recut_ = {rows(lo.y - 2, hi.y, n.y - 1), rows(lo.z - 2, hi.z, n.z - 1)};
+}
+
+void GridChunkMaker::read(const ScalarGrid& grid, const Part& part) {
+  const Vec3i n = block_.samples;
+  for (int k = part.planes.first; k <= part.planes.last; ++k) {
+    const Vec3i lo = block_.origin + Vec3i{0, part.rows.first, k};
+    grid.read({lo, {lo.x + n.x - 1, block_.origin.y + part.rows.last, lo.z}},
+              samples_ + (static_cast<std::ptrdiff_t>(k) * n.y + part.rows.first) * n.x);
   }
   if (layout_.boundary == Boundary::solid) add_air(part);
 }
 
 /// Where the block reaches beyond the frame.
-void GridChunkMaker::add_air(const SampleBox& part) {
+void GridChunkMaker::add_air(const Part& part) {
   const Vec3i n = block_.samples, size = layout_.frame.size;
-  const auto beyond = [](int sample, int count) { return sample < 0 || sample >= count; };
-  for (int k = part.lo.z; k <= part.hi.z; ++k)
-    for (int j = part.lo.y; j <= part.hi.y; ++j) {
+  const auto beyond = [](int sample, int samples) { return sample < 0 || sample >= samples; };
+  for (int k = part.planes.first; k <= part.planes.last; ++k)
+    for (int j = part.rows.first; j <= part.rows.last; ++j) {
       float* row = samples_ + (static_cast<std::ptrdiff_t>(k) * n.y + j) * n.x;
       if (beyond(block_.origin.y + j, size.y) || beyond(block_.origin.z + k, size.z)) {
         std::fill_n(row, n.x, air);
@@ -153,181 +124,309 @@ void GridChunkMaker::add_air(const SampleBox& part) {
     }
 }
 
-/// Signs of the changed rows, and which voxels around them are cut.
 void GridChunkMaker::update_bits() {
-  GridChunkState& s = *state_;
   const Vec3i n = block_.samples;
-  for (int k = changed_planes_.first; k <= changed_planes_.last; ++k)
-    for (int j = changed_rows_.first; j <= changed_rows_.last; ++j) {
+  for (int k = changed_.planes.first; k <= changed_.planes.last; ++k)
+    for (int j = changed_.rows.first; j <= changed_.rows.last; ++j) {
       const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(k) * n.y + j;
-      signs(samples_ + row * n.x, n.x, s.solid.data() + row);
+      signs(samples_ + row * n.x, n.x, state_->solid.data() + row);
     }
-  const std::uint64_t columns =
-      ((std::uint64_t{1} << block_.hi.x) - 1) & ~((std::uint64_t{1} << block_.lo.x) - 1);
-  for (int k = std::max(changed_planes_.first - 1, block_.lo.z);
-       k <= std::min(changed_planes_.last, block_.hi.z - 1); ++k) {
-    const std::uint64_t* solid = s.solid.data() + static_cast<std::ptrdiff_t>(k) * n.y;
-    std::uint64_t* cut = s.cut.data() + static_cast<std::ptrdiff_t>(k) * (n.y - 1);
-    for (int j = std::max(changed_rows_.first - 1, block_.lo.y);
-         j <= std::min(changed_rows_.last, block_.hi.y - 1); ++j) {
-      const std::uint64_t a = solid[j], b = solid[j + 1], c = solid[j + n.y], d = solid[j + n.y + 1];
-      const std::uint64_t any = a | b | c | d, all = a & b & c & d;
-      cut[j] = (any | (any >> 1)) & ~(all & (all >> 1)) & columns;
-    }
-    s.any_cut[static_cast<std::size_t>(k)] =
-        std::any_of(cut, cut + n.y - 1, [](std::uint64_t row) { return row != 0; });
-  }
 }
 
-/// Takes over vertices [from, to) of the mesh so far.
-void GridChunkMaker::keep(std::uint32_t from, std::uint32_t to) {
-  const std::size_t count = to - from;
-  if (count == 0) return;
-  const GridChunkMesh& old = *state_->mesh;
-  const auto append = [&](Buffer<float>& out, const std::vector<Vec3f>& in) {
-    out.reserve_extra(3 * (count + kernel_slack));
-    std::memcpy(out.end(), in.data() + from, count * sizeof(Vec3f));
-    out.commit(3 * count);
+/// Where each row's vertices will be.
+void GridChunkMaker::count_vertices() {
+  const Vec3i n = block_.samples;
+  const auto& old = state_->vertex_at;
+  vertex_at_.resize(static_cast<std::size_t>(n.y) * static_cast<std::size_t>(n.z) + 1);
+  std::uint32_t at = 0;
+  std::size_t row = 0;
+  for (int k = 0; k < n.z; ++k)
+    for (int j = 0; j < n.y; ++j, ++row) {
+      vertex_at_[row] = at;
+      const bool fresh = fresh_.planes.has(k) && fresh_.rows.has(j);
+      at += fresh ? count(state_->edges(block_, j, k)) : old[row + 1] - old[row];
+    }
+  vertex_at_[row] = at;
+}
+
+std::uint64_t GridChunkMaker::columns() const {
+  return bits(block_.lo.x, block_.hi.x);
+}
+
+RowWord GridChunkMaker::row_word(int j, int k) const {
+  const std::size_t row = static_cast<std::size_t>(k * block_.samples.y + j);
+  const RowEdges e = state_->edges(block_, j, k);
+  RowWord word;
+  word.solid = state_->solid[row];
+  word.next = word.solid >> 1;
+  word.x = e.x, word.y = e.y, word.z = e.z;
+  word.x_base = vertex_at_[row];
+  word.y_base = word.x_base + static_cast<std::uint32_t>(std::popcount(e.x));
+  word.z_base = word.y_base + static_cast<std::uint32_t>(std::popcount(e.y));
+  return word;
+}
+
+/// The triangles of recut rows, and where each row's will be.
+void GridChunkMaker::make_triangles() {
+  const Vec3i n = block_.samples, lo = block_.lo, hi = block_.hi;
+  const auto& old = state_->triangle_at;
+  triangle_at_.resize(static_cast<std::size_t>(n.y - 1) * static_cast<std::size_t>(n.z - 1) + 1);
+  corners_.clear();
+  const std::uint64_t cells = columns();
+  std::uint64_t cut = 0;
+  std::uint32_t at = 0;
+  std::size_t row = 0;
+  const auto fill = [&](int k, std::vector<RowWord>& words) {
+    for (int j = recut_.rows.first; j <= recut_.rows.last + 1; ++j)
+      words[static_cast<std::size_t>(j)] = row_word(j, k);
   };
-  append(positions_, old.positions);
-  append(normals_, old.normals);
-  edges_.reserve_extra(count);
-  std::memcpy(edges_.end(), state_->edges.data() + from, count * sizeof(std::uint32_t));
-  edges_.commit(count);
+  for (int k = 0; k < n.z - 1; ++k) {
+    const bool layer = recut_.planes.has(k);
+    if (layer && k > recut_.planes.first) std::swap(lower_, upper_);
+    if (layer && k == recut_.planes.first) fill(k, lower_);
+    if (layer) fill(k + 1, upper_);
+    for (int j = 0; j < n.y - 1; ++j, ++row) {
+      triangle_at_[row] = at;
+      if (!layer || !recut_.rows.has(j)) {
+        at += old[row + 1] - old[row];
+      } else if (j >= lo.y && j < hi.y && k >= lo.z && k < hi.z) {
+        corners_.reserve_extra(15 * 64 + kernel_slack);
+        const std::size_t made =
+            triangles(lower_.data() + j, upper_.data() + j, &cells, 1, 1, corners_.end(), cut);
+        corners_.commit(made);
+        at += static_cast<std::uint32_t>(made / 3);
+      }
+    }
+  }
+  triangle_at_[row] = at;
 }
 
-void GridChunkMaker::place_fresh(int k, const EdgeKey* keys, std::size_t n) {
+/// Appends the vertices that rows [first_row, end_row) had.
+void GridChunkMaker::keep_vertices(std::size_t first_row, std::size_t end_row, GridChunkMesh& out) const {
+  const auto& at = state_->vertex_at;
+  if (first_row >= end_row || at[first_row] == at[end_row]) return;
+  const GridChunkMesh& old = *state_->mesh;
+  const auto append = [&](std::vector<Vec3f>& to, const std::vector<Vec3f>& from) {
+    to.insert(to.end(), from.begin() + at[first_row], from.begin() + at[end_row]);
+  };
+  append(out.positions, old.positions);
+  append(out.normals, old.normals);
+}
+
+void GridChunkMaker::place_all(GridChunkMesh& out) {
+  const Vec3i n = block_.samples, end = layout_.frame.size - block_.origin;
+  plane_ = {};
+  plane_.row_step = n.x;
+  plane_.plane_step = n.x * n.y;
+  plane_.x0 = std::max(-block_.origin.x, 0), plane_.nx = std::min(n.x, end.x);
+  plane_.y0 = std::max(-block_.origin.y, 0), plane_.ny = std::min(n.y, end.y);
+  plane_.z0 = std::max(-block_.origin.z, 0), plane_.nz = std::min(n.z, end.z);
+  plane_.i0 = block_.origin.x, plane_.j0 = block_.origin.y;
+  plane_.voxel = layout_.frame.spacing;
+  plane_.origin = layout_.frame.origin;
+  plane_.margin = layout_.margin;
+  out.positions.reserve(vertex_at_.back());
+  out.normals.reserve(vertex_at_.back());
+  std::size_t row = 0;
+  for (int k = fresh_.planes.first; k <= fresh_.planes.last; ++k) {
+    const auto first = static_cast<std::size_t>(k * n.y + fresh_.rows.first);
+    keep_vertices(row, first, out);
+    place_row_span(k, out);
+    row = static_cast<std::size_t>(k * n.y + fresh_.rows.last + 1);
+  }
+  keep_vertices(row, vertex_at_.size() - 1, out);
+}
+
+/// Appends the vertices of the fresh rows of a plane.
+void GridChunkMaker::place_row_span(int k, GridChunkMesh& out) {
+  const int first = fresh_.rows.first, last = fresh_.rows.last;
+  const auto row = [&](int j) { return static_cast<std::size_t>(k * block_.samples.y + j); };
+  const std::size_t n = vertex_at_[row(last) + 1] - vertex_at_[row(first)];
   if (n == 0) return;
+  keys_.clear();
+  keys_.reserve_extra(n + kernel_slack);
+  for (int j = first; j <= last; ++j) {
+    if (vertex_at_[row(j)] == vertex_at_[row(j) + 1]) continue;
+    const RowEdges e = state_->edges(block_, j, k);
+    EdgeKey* to = keys_.end();
+    const auto list = [&](std::uint64_t set, int axis) {
+      for (; set; set &= set - 1) *to++ = edge_key(std::countr_zero(set), j, axis);
+    };
+    list(e.x, 0), list(e.y, 1), list(e.z, 2);
+    keys_.commit(static_cast<std::size_t>(to - keys_.end()));
+  }
+  std::fill_n(keys_.end(), kernel_slack, EdgeKey{0});
+  positions_.clear();
+  normals_.clear();
+  positions_.reserve_extra(3 * (n + kernel_slack));
+  normals_.reserve_extra(3 * (n + kernel_slack));
   plane_.f = samples_ + static_cast<std::ptrdiff_t>(k) * plane_.plane_step;
   plane_.k = k;
   plane_.level = block_.origin.z + k;
-  positions_.reserve_extra(3 * (n + kernel_slack));
-  normals_.reserve_extra(3 * (n + kernel_slack));
-  edges_.reserve_extra(n);
-  place(plane_, keys, n, positions_.end(), nullptr, normals_.end());
-  if (layout_.boundary == Boundary::solid) point_walls_outward(k, keys, n, normals_.end());
-  for (std::size_t v = 0; v < n; ++v)
-    edges_.data()[edges_.size() + v] = edge_place(key_i(keys[v]), key_j(keys[v]), k, key_axis(keys[v]));
-  positions_.commit(3 * n);
-  normals_.commit(3 * n);
-  edges_.commit(n);
+  place(plane_, keys_.data(), n, positions_.data(), nullptr, normals_.data());
+  if (layout_.boundary == Boundary::solid) point_walls_outward(k, n);
+  const auto append = [&](std::vector<Vec3f>& to, const Buffer<float>& from) {
+    const auto* vectors = reinterpret_cast<const Vec3f*>(from.data());
+    to.insert(to.end(), vectors, vectors + n);
+  };
+  append(out.positions, positions_);
+  append(out.normals, normals_);
 }
 
 /// Normals of the vertices between the frame and the air around it.
-void GridChunkMaker::point_walls_outward(int k, const EdgeKey* keys, std::size_t n, float* normals) const {
+void GridChunkMaker::point_walls_outward(int k, std::size_t n) {
   const Vec3i size = layout_.frame.size;
+  const EdgeKey* keys = keys_.data();
+  float* normals = normals_.data();
   for (std::size_t v = 0; v < n; ++v, normals += 3) {
     const Vec3i start = block_.origin + Vec3i{key_i(keys[v]), key_j(keys[v]), k};
     const int axis = key_axis(keys[v]);
     const int at = axis == 0 ? start.x : axis == 1 ? start.y : start.z;
-    const int count = axis == 0 ? size.x : axis == 1 ? size.y : size.z;
-    if (at >= 0 && at < count - 1) continue;
+    const int samples = axis == 0 ? size.x : axis == 1 ? size.y : size.z;
+    if (at >= 0 && at < samples - 1) continue;
     std::fill_n(normals, 3, 0.0f);
     normals[axis] = at < 0 ? -1.0f : 1.0f;
   }
 }
 
-void GridChunkMaker::vertices(int k, const PlaneOutput& out) {
-  const EdgeKey* keys = out.keys.data();
-  const EdgeKey* end = keys + out.keys.size();
-  const auto old = [&](int plane, int row) {
-    const auto& edges = state_->edges;
-    return static_cast<std::uint32_t>(
-        std::lower_bound(edges.begin(), edges.end(), edge_place(0, row, plane, 0)) - edges.begin());
-  };
-  if (!fresh_planes_.has(k)) {
-    keep(old(k, 0), old(k + 1, 0));
-    return;
-  }
-  const EdgeKey* first =
-      std::partition_point(keys, end, [&](EdgeKey key) { return key_j(key) < fresh_rows_.first; });
-  const EdgeKey* last =
-      std::partition_point(first, end, [&](EdgeKey key) { return key_j(key) <= fresh_rows_.last; });
-  keep(old(k, 0), old(k, fresh_rows_.first));
-  place_fresh(k, first, static_cast<std::size_t>(last - first));
-  keep(old(k, fresh_rows_.last + 1), old(k + 1, 0));
-}
-
-void GridChunkMaker::triangles(const PlaneOutput& out) {
-  const std::size_t n = out.indices.size();
-  indices_.reserve_extra(n);
-  if (n) std::memcpy(indices_.end(), out.indices.data(), n * sizeof(std::uint32_t));
-  indices_.commit(n);
-}
-
-/// Joins triangles to polygons; voxels away from the changed rows are joined as they were.
-void GridChunkMaker::join_polygons(VoxelPolygons& out) {
-  GridChunkState& s = *state_;
-  const Vec3i n = block_.samples;
-  const double tolerance = layout_.frame.spacing / 256;
-  const Vec3f* positions = reinterpret_cast<const Vec3f*>(positions_.data());
-  const std::uint32_t* triangles = indices_.data();
-  std::vector<std::uint8_t> merges;
-  for (int k = block_.lo.z; k < block_.hi.z; ++k)
-    for (int j = block_.lo.y; j < block_.hi.y; ++j) {
-      const std::uint64_t* row = s.solid.data() + static_cast<std::ptrdiff_t>(k) * n.y + j;
-      const bool fresh = k >= changed_planes_.first - 1 && k <= changed_planes_.last &&
-                         j >= changed_rows_.first - 1 && j <= changed_rows_.last;
-      std::size_t old = 0;
-      std::uint64_t cut = s.cut[static_cast<std::size_t>(k * (n.y - 1) + j)];
-      if (cut && !fresh) old = old_voxel(block_.origin + Vec3i{0, j, k});
-      for (; cut; cut &= cut - 1) {
-        const int i = std::countr_zero(cut);
-        const auto pair = [&](int at) { return static_cast<int>(row[at] >> i & 3); };
-        const int solid = pair(0) | pair(1) << 2 | pair(n.y) << 4 | pair(n.y + 1) << 6;
-        const int merge = fresh ? best_merge(solid, triangles, positions, tolerance) : s.merges[old++];
-        const ConvexPieces& pieces = convex_pieces(solid, merge);
-        out.voxels.push_back(block_.origin + Vec3i{i, j, k});
-        out.first.push_back(static_cast<std::uint32_t>(out.begin.size()));
-        for (int p = 0; p < pieces.count; ++p) {
-          out.begin.push_back(static_cast<std::uint32_t>(out.corners.size()));
-          for (int c = pieces.begin[p]; c < pieces.begin[p + 1]; ++c)
-            out.corners.push_back(triangles[pieces.corners[c]]);
-        }
-        merges.push_back(static_cast<std::uint8_t>(merge));
-        triangles += 3 * case_table()[static_cast<std::size_t>(solid)].triangles;
-      }
+/// keep(k, first, end) for runs of voxel rows of a layer that stay, fresh(k) for the recut rows, in order.
+template <class Keep, class Fresh>
+void GridChunkMaker::for_voxel_rows(const Keep& keep, const Fresh& fresh) const {
+  const int rows = block_.samples.y - 1;
+  for (int k = 0; k < block_.samples.z - 1; ++k) {
+    if (!recut_.planes.has(k)) {
+      keep(k, 0, rows);
+      continue;
     }
-  out.first.push_back(static_cast<std::uint32_t>(out.begin.size()));
-  out.begin.push_back(static_cast<std::uint32_t>(out.corners.size()));
-  s.merges = std::move(merges);
-}
-
-/// The place of the first voxel of a row, or of the next row that has any, in the mesh so far.
-std::size_t GridChunkMaker::old_voxel(Vec3i voxel) const {
-  const auto& voxels = state_->mesh->polygons.voxels;
-  return static_cast<std::size_t>(std::lower_bound(voxels.begin(), voxels.end(), voxel, voxel_before) -
-                                  voxels.begin());
-}
-
-bool GridChunkMaker::finish(std::uint64_t version) {
-  GridChunkState& s = *state_;
-  if (indices_.size() == 0) {
-    const bool had = s.mesh != nullptr;
-    s = {};
-    return had;
+    keep(k, 0, recut_.rows.first);
+    fresh(k);
+    keep(k, recut_.rows.last + 1, rows);
   }
-  const auto* positions = reinterpret_cast<const Vec3f*>(positions_.data());
-  const auto* normals = reinterpret_cast<const Vec3f*>(normals_.data());
-  const auto* triangles = reinterpret_cast<const std::array<std::uint32_t, 3>*>(indices_.data());
-  const std::size_t vertex_count = edges_.size(), triangle_count = indices_.size() / 3;
-  const auto same = [](const auto& held, const auto* made, std::size_t n) {
-    return held.size() == n && std::memcmp(held.data(), made, n * sizeof(*made)) == 0;
+}
+
+/// Appends corners that rows of voxels [first, end) had, as numbers of vertices now. All rows of samples of
+/// such a run have moved by the same number in each of the two planes.
+template <class T>
+void GridChunkMaker::keep_corners(int k, int first, std::size_t from, std::size_t to,
+                                  const std::vector<T>& old, std::vector<T>& out) const {
+  const auto plane = static_cast<std::size_t>(block_.samples.y);
+  const std::size_t row = static_cast<std::size_t>(k) * plane + static_cast<std::size_t>(first);
+  const auto& was = state_->vertex_at;
+  const std::uint32_t low = vertex_at_[row] - was[row], high = vertex_at_[row + plane] - was[row + plane];
+  const std::uint32_t limit = was[static_cast<std::size_t>(k + 1) * plane];
+  const std::size_t begin = out.size();
+  out.insert(out.end(), old.begin() + static_cast<std::ptrdiff_t>(from),
+             old.begin() + static_cast<std::ptrdiff_t>(to));
+  if (low == 0 && high == 0) return;
+  auto* corner = reinterpret_cast<std::uint32_t*>(out.data() + begin);
+  const std::size_t n = (to - from) * sizeof(T) / sizeof(std::uint32_t);
+  for (std::size_t i = 0; i < n; ++i) corner[i] += corner[i] < limit ? low : high;
+}
+
+void GridChunkMaker::gather_triangles(GridChunkMesh& out) const {
+  out.triangles.reserve(triangle_at_.back());
+  const auto* fresh = reinterpret_cast<const std::array<std::uint32_t, 3>*>(corners_.data());
+  for_voxel_rows(
+      [&](int k, int first, int end) {
+        if (first >= end) return;
+        const auto& at = state_->triangle_at;
+        const std::size_t from = at[voxel_row(first, k)], to = at[voxel_row(end, k)];
+        if (from < to) keep_corners(k, first, from, to, state_->mesh->triangles, out.triangles);
+      },
+      [&](int k) {
+        const std::size_t n =
+            triangle_at_[voxel_row(recut_.rows.last + 1, k)] - triangle_at_[voxel_row(recut_.rows.first, k)];
+        out.triangles.insert(out.triangles.end(), fresh, fresh + n);
+        fresh += n;
+      });
+}
+
+std::uint64_t GridChunkMaker::cut_voxels(int j, int k) const {
+  if (j < block_.lo.y || j >= block_.hi.y || k < block_.lo.z || k >= block_.hi.z) return 0;
+  const int n = block_.samples.y;
+  const std::uint64_t* row = state_->solid.data() + static_cast<std::ptrdiff_t>(k) * n + j;
+  const std::uint64_t any = row[0] | row[1] | row[n] | row[n + 1],
+                      all = row[0] & row[1] & row[n] & row[n + 1];
+  return (any | (any >> 1)) & ~(all & (all >> 1)) & columns();
+}
+
+void GridChunkMaker::gather_polygons(GridChunkMesh& out) {
+  VoxelPolygons& p = out.polygons;
+  if (state_->mesh) {
+    const VoxelPolygons& old = state_->mesh->polygons;
+    p.voxels.reserve(old.voxels.size() + old.voxels.size() / 8);
+    p.first.reserve(old.first.size() + old.first.size() / 8);
+    p.begin.reserve(old.begin.size() + old.begin.size() / 8);
+    p.corners.reserve(old.corners.size() + old.corners.size() / 8);
+  }
+  const auto& old = state_->voxel_at;
+  voxel_at_.resize(triangle_at_.size());
+  std::uint32_t at = 0;
+  std::size_t row = 0;
+  for (int k = 0; k < block_.samples.z - 1; ++k)
+    for (int j = 0; j < block_.samples.y - 1; ++j, ++row) {
+      voxel_at_[row] = at;
+      const bool fresh = recut_.planes.has(k) && recut_.rows.has(j);
+      at += fresh ? static_cast<std::uint32_t>(std::popcount(cut_voxels(j, k))) : old[row + 1] - old[row];
+    }
+  voxel_at_[row] = at;
+  const std::uint32_t* corners = corners_.data();
+  for_voxel_rows([&](int k, int first, int end) { keep_polygons(k, first, end, p); },
+                 [&](int k) { corners = join_polygons(k, corners, out); });
+  p.first.push_back(static_cast<std::uint32_t>(p.begin.size()));
+  p.begin.push_back(static_cast<std::uint32_t>(p.corners.size()));
+  state_->voxel_at.swap(voxel_at_);
+}
+
+/// Appends the polygons that rows of voxels [first, end) had.
+void GridChunkMaker::keep_polygons(int k, int first, int end, VoxelPolygons& out) const {
+  if (first >= end) return;
+  const auto& at = state_->voxel_at;
+  const std::size_t from = at[voxel_row(first, k)], to = at[voxel_row(end, k)];
+  if (from == to) return;
+  const VoxelPolygons& old = state_->mesh->polygons;
+  const auto append = [](auto& list, const auto& was, std::size_t a, std::size_t b, std::size_t begins) {
+    const auto moved = static_cast<std::uint32_t>(begins - was[a]);
+    const std::size_t n = list.size();
+    list.insert(list.end(), was.begin() + static_cast<std::ptrdiff_t>(a),
+                was.begin() + static_cast<std::ptrdiff_t>(b));
+    if (moved)
+      for (std::size_t i = n; i < list.size(); ++i) list[i] += moved;
   };
-  if (s.mesh && same(s.mesh->positions, positions, vertex_count) &&
-      same(s.mesh->normals, normals, vertex_count) && same(s.mesh->triangles, triangles, triangle_count)) {
-    s.edges.assign(edges_.data(), edges_.end());
-    return false;
+  const std::size_t polygon = old.first[from], polygon_end = old.first[to];
+  out.voxels.insert(out.voxels.end(), old.voxels.begin() + static_cast<std::ptrdiff_t>(from),
+                    old.voxels.begin() + static_cast<std::ptrdiff_t>(to));
+  append(out.first, old.first, from, to, out.begin.size());
+  append(out.begin, old.begin, polygon, polygon_end, out.corners.size());
+  keep_corners(k, first, old.begin[polygon], old.begin[polygon_end], old.corners, out.corners);
+}
+
+/// Joins the triangles of the recut rows of a layer to polygons; `corners` are theirs, and those that follow
+/// are returned.
+const std::uint32_t* GridChunkMaker::join_polygons(int k, const std::uint32_t* corners,
+                                                   GridChunkMesh& out) const {
+  VoxelPolygons& p = out.polygons;
+  const int n = block_.samples.y;
+  const double tolerance = layout_.frame.spacing / 256;
+  for (int j = recut_.rows.first; j <= recut_.rows.last; ++j) {
+    const std::uint64_t* row = state_->solid.data() + static_cast<std::ptrdiff_t>(k) * n + j;
+    for (std::uint64_t cut = cut_voxels(j, k); cut; cut &= cut - 1) {
+      const int i = std::countr_zero(cut);
+      const auto pair = [&](int at) { return static_cast<int>(row[at] >> i & 3); };
+      const int solid = pair(0) | pair(1) << 2 | pair(n) << 4 | pair(n + 1) << 6;
+      const ConvexPieces& pieces =
+          convex_pieces(solid, best_merge(solid, corners, out.positions.data(), tolerance));
+      p.voxels.push_back(block_.origin + Vec3i{i, j, k});
+      p.first.push_back(static_cast<std::uint32_t>(p.begin.size()));
+      for (int piece = 0; piece < pieces.count; ++piece) {
+        p.begin.push_back(static_cast<std::uint32_t>(p.corners.size()));
+        for (int c = pieces.begin[piece]; c < pieces.begin[piece + 1]; ++c)
+          p.corners.push_back(corners[pieces.corners[c]]);
+      }
+      corners += 3 * case_table()[static_cast<std::size_t>(solid)].triangles;
+    }
   }
-  auto made = std::make_shared<GridChunkMesh>();
-  made->positions.assign(positions, positions + vertex_count);
-  made->normals.assign(normals, normals + vertex_count);
-  made->triangles.assign(triangles, triangles + triangle_count);
-  made->version = version;
-  if (polygons_) join_polygons(made->polygons);
-  s.edges.assign(edges_.data(), edges_.end());
-  s.mesh = std::move(made);
-  return true;
+  return corners;
 }
 
 }  // namespace tafoni::mesh::impl

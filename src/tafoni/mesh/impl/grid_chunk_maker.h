@@ -1,69 +1,34 @@
 #pragma once
-// Makes the mesh of one chunk of a scalar grid, and makes it anew where samples changed.
-//
-// A chunk's samples are taken as a block that reaches one sample beyond its voxels, for the gradients.
+// Makes the mesh of one chunk of a scalar grid, and makes it anew where samples changed: rows of the lattice
+// that a change does not reach keep their vertices, triangles and polygons, moved to their new places.
 
-#include <array>
-#include <memory>
-#include <tuple>
-#include <utility>
+#include <cstdint>
 #include <vector>
 
 #include "tafoni/mesh/grid_mesher.h"
-#include "tafoni/mesh/impl/block.h"
+#include "tafoni/mesh/impl/buffer.h"
+#include "tafoni/mesh/impl/grid_layout.h"
+#include "tafoni/mesh/impl/kernels.h"
 
 namespace tafoni::mesh::impl {
 
-/// Which voxels a chunk has, and where its block lies.
-class GridLayout {
- public:
-  GridLayout(const volume::GridFrame& frame, Boundary boundary);
-
-  struct Block {
-    Vec3i origin;   ///< sample (0, 0, 0) of the block
-    Vec3i samples;  ///< a side, at most 37
-    Vec3i lo, hi;   ///< voxels of the block that are the chunk's, hi exclusive
-  };
-  Block block(Vec3i chunk) const;
-  Vec3i chunks() const { return chunks_; }  ///< a side
-  /// The chunks whose mesh depends on these samples: first and last, last before first for none.
-  std::pair<Vec3i, Vec3i> touched(const volume::SampleBox& samples) const;
-  /// The chunk that an edge of the lattice is counted to, by the sample it starts from.
-  Vec3i owner(Vec3i sample) const;
-
-  const volume::GridFrame frame;
-  const Boundary boundary;
-  const float margin;
-
- private:
-  Vec3i chunks_;
+/// Of one row of a block's samples: which edges that start there carry a vertex, bits by column. Vertices are
+/// ordered by plane, row, axis and column.
+struct RowEdges {
+  std::uint64_t x, y, z;
 };
 
-/// What is held of a chunk with surface.
+/// What is held of a chunk with surface. Rows of samples are numbered k * samples.y + j, rows of voxels
+/// k * (samples.y - 1) + j.
 struct GridChunkState {
   GridChunkPtr mesh;
-  std::vector<std::uint32_t> edges;   ///< of the block, by vertex, ascending: see edge_place()
-  std::vector<std::uint64_t> solid;   ///< bits of the block's samples, a word a row
-  std::vector<std::uint64_t> cut;     ///< bits of the voxels that the surface cuts, a word a row
-  std::vector<std::uint8_t> any_cut;  ///< by layer of voxels
-  std::vector<std::uint8_t> merges;   ///< of each cut voxel: see ConvexCase
+  std::vector<std::uint64_t> solid;        ///< bits of each row of samples
+  std::vector<std::uint32_t> vertex_at;    ///< first of each row, and their number
+  std::vector<std::uint32_t> triangle_at;  ///< first of each row of voxels, and their number
+  std::vector<std::uint32_t> voxel_at;     ///< first cut voxel of each row, and their number; with polygons
+
+  RowEdges edges(const GridLayout::Block& block, int j, int k) const;
 };
-
-/// Orders edges as their vertices are: by plane, row, axis and column.
-constexpr std::uint32_t edge_place(int i, int j, int k, int axis) {
-  return static_cast<std::uint32_t>((((k << 6 | j) << 2) | axis) << 6 | i);
-}
-constexpr Vec3i place_start(std::uint32_t place) {
-  return {static_cast<int>(place & 63), static_cast<int>((place >> 8) & 63), static_cast<int>(place >> 14)};
-}
-
-constexpr int place_axis(std::uint32_t place) {
-  return static_cast<int>((place >> 6) & 3);
-}
-
-inline bool voxel_before(Vec3i a, Vec3i b) {
-  return std::tie(a.z, a.y, a.x) < std::tie(b.z, b.y, b.x);
-}
 
 /// One a thread; its memory is used again from chunk to chunk.
 class GridChunkMaker {
@@ -75,43 +40,59 @@ class GridChunkMaker {
   bool make(const volume::ScalarGrid& grid, Vec3i chunk, const volume::SampleBox& changed,
             std::uint64_t version, GridChunkState& state);
 
-  /// For BlockWalker.
-  bool layer(int k) const {
-    return k >= 0 && k < block_.samples.z - 1 && state_->any_cut[static_cast<std::size_t>(k)];
-  }
-  const std::uint64_t* rows(int k) const { return state_->cut.data() + k * (block_.samples.y - 1); }
-  void vertices(int k, const PlaneOutput& out);
-  void triangles(const PlaneOutput& out);
-
  private:
   /// Rows of a plane, or planes, both included.
   struct Rows {
     int first, last;
     bool has(int at) const { return at >= first && at <= last; }
   };
+  /// Some rows in some planes.
+  struct Part {
+    Rows rows, planes;
+  };
 
-  void read(const volume::ScalarGrid& grid, const volume::SampleBox& part);
-  void add_air(const volume::SampleBox& part);
+  void choose_parts(const volume::SampleBox& changed);
+  void read(const volume::ScalarGrid& grid, const Part& part);
+  void add_air(const Part& part);
   void update_bits();
-  void keep(std::uint32_t from, std::uint32_t to);
-  void place_fresh(int k, const EdgeKey* keys, std::size_t n);
-  void point_walls_outward(int k, const EdgeKey* keys, std::size_t n, float* normals) const;
-  void join_polygons(VoxelPolygons& out);
-  std::size_t old_voxel(Vec3i voxel) const;
-  bool finish(std::uint64_t version);
+  void count_vertices();
+  std::uint64_t columns() const;
+  std::uint64_t cut_voxels(int j, int k) const;
+  std::size_t voxel_row(int j, int k) const {
+    return static_cast<std::size_t>(k * (block_.samples.y - 1) + j);
+  }
+  RowWord row_word(int j, int k) const;
+  void make_triangles();
+  void place_all(GridChunkMesh& out);
+  void place_row_span(int k, GridChunkMesh& out);
+  void point_walls_outward(int k, std::size_t n);
+  void keep_vertices(std::size_t first_row, std::size_t end_row, GridChunkMesh& out) const;
+  void gather_triangles(GridChunkMesh& out) const;
+  template <class T>
+  void keep_corners(int k, int first, std::size_t from, std::size_t to, const std::vector<T>& old,
+                    std::vector<T>& out) const;
+  void gather_polygons(GridChunkMesh& out);
+  void keep_polygons(int k, int first, int end, VoxelPolygons& out) const;
+  const std::uint32_t* join_polygons(int k, const std::uint32_t* corners, GridChunkMesh& out) const;
+  template <class Keep, class Fresh>
+  void for_voxel_rows(const Keep& keep, const Fresh& fresh) const;
 
   const GridLayout& layout_;
   const bool polygons_;
   GridLayout::Block block_;
   GridChunkState* state_ = nullptr;
-  Rows changed_rows_{}, changed_planes_{}, fresh_rows_{}, fresh_planes_{};
+  std::vector<std::uint32_t> vertex_at_, triangle_at_, voxel_at_;  ///< the state's, of the mesh in the making
+  /// Samples that changed, rows of edges whose vertices' places or normals may differ, and rows of voxels
+  /// whose triangles may differ by more than where vertices are.
+  Part changed_{}, fresh_{}, recut_{};
 
   std::vector<float> memory_;  ///< the block, with slack on both ends
   float* samples_ = nullptr;
   Plane plane_;
-  BlockWalker walker_;
+  Buffer<EdgeKey> keys_;
   Buffer<float> positions_, normals_;
-  Buffer<std::uint32_t> edges_, indices_;
+  Buffer<std::uint32_t> corners_;  ///< of the triangles of recut rows, in their order
+  std::vector<RowWord> lower_, upper_;
 };
 
 }  // namespace tafoni::mesh::impl
