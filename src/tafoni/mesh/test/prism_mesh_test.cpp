@@ -8,6 +8,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
+#include "tafoni/volume/prism_convert.h"
 #include "tafoni/volume/test/random_tools.h"
 
 namespace tafoni::mesh {
@@ -201,6 +202,31 @@ TEST(PrismMesh, ChunksAreWhatAFullUpdateMakes) {
   EXPECT_GE(triangles, whole.triangles.size());
   EXPECT_NEAR(static_cast<double>(triangles), static_cast<double>(whole.triangles.size()),
               0.01 * static_cast<double>(triangles));
+}
+
+// The leaf of construction trees and the mesh have the same surface.
+TEST(PrismMesh, IsTheZeroSetOfTheLeaf) {
+  const ColumnFrame frame{{100, -50, 20}, 0.5, 0.75, 18, 14};
+  const Box3d room{{100, -50, 18}, {108.5, -40.25, 24}};
+  Random random(24);
+  std::size_t triangles = 0, off = 0;
+  for (int round = 0; round < 15; ++round) {
+    PrismFields fields = box_of_rock(frame, -2, 4);
+    for (int n = 0; n < 4 * round; ++n)
+      fields.apply(volume::random_tool(random, room), random.uniform() < 0.7 ? Edit::remove : Edit::add);
+    const Mesh mesh = polygonize(fields);
+    const field::FunctionPtr leaf = volume::as_function(fields, {.reach = 3});
+    for (const auto& t : mesh.triangles) {
+      Vec3d p = mesh.origin;
+      for (auto v : t) p += to_double(mesh.positions[v]) * (1.0 / 3);
+      float value;
+      leaf->values({&p, 1}, {&value, 1});
+      ++triangles;
+      off += std::abs(value) > 1e-3f;
+    }
+  }
+  // Walls that matter covers from both sides are in the mesh alone.
+  EXPECT_LT(static_cast<double>(off), 0.01 * static_cast<double>(triangles));
 }
 
 TEST(PrismMesh, ColoursByKindOfSurface) {

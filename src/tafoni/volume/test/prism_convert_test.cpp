@@ -1,0 +1,234 @@
+#include "tafoni/volume/prism_convert.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/volume/sample.h"
+#include "tafoni/volume/test/random_tools.h"
+
+namespace tafoni::volume {
+namespace {
+
+raster::Raster hills() {
+  raster::Raster r;
+  r.placement = {-10, 20, 0.5, 0.25};
+  r.values = raster::Grid<float>(60, 80);
+  for (int row = 0; row < 80; ++row)
+    for (int col = 0; col < 60; ++col) {
+      const Vec2d at = r.placement.center(col, row);
+      r.values.at(col, row) = static_cast<float>(3 + std::sin(0.5 * at.x) + 0.1 * at.y);
+    }
+  r.values.at(7, 5) = raster::no_data;
+  return r;
+}
+
+TEST(PrismConvert, HeightsBecomeColumns) {
+  const raster::Raster r = hills();
+  const PrismFields fields = prism_from(r, -2);
+  EXPECT_EQ(fields.layers(), 1);
+  for (int row = 0; row < 80; ++row)
+    for (int col = 0; col < 60; ++col) {
+      const Vec2d at = r.placement.center(col, row);
+      const int j = 79 - row;
+      EXPECT_DOUBLE_EQ(fields.frame().x(col), at.x);
+      EXPECT_DOUBLE_EQ(fields.frame().y(j), at.y);
+      const auto matter = fields.column(col, j);
+      if (col == 7 && row == 5) {
+        EXPECT_TRUE(matter.empty());
+        continue;
+      }
+      ASSERT_EQ(matter.size(), 1u);
+      EXPECT_EQ(matter[0].bottom, 0);
+      EXPECT_NEAR(matter[0].top - 2, r.values.at(col, row), 1e-5);
+    }
+  // A base over the ground.
+  EXPECT_EQ(prism_from(r, 100).layers(), 0);
+  EXPECT_THROW(prism_from(raster::Raster{}, 0), Error);
+}
+
+/// A ball with a ball-shaped hollow, in the air.
+class Shell final : public field::Function {
+ public:
+  void values(std::span<const Vec3d> points, std::span<float> out) const override {
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      const double r = length(points[n] - Vec3d{1, 2, 3});
+      out[n] = static_cast<float>(std::min(5 - r, r - 2.5));
+    }
+  }
+  Interval range(const Box3d&) const override { return {-100, 100}; }
+};
+
+void expect_shell(const PrismFields& fields, double tolerance) {
+  int hollow = 0;
+  for (int j = 0; j < fields.frame().ny; ++j)
+    for (int i = 0; i < fields.frame().nx; ++i) {
+      const double d = std::hypot(fields.frame().x(i) - 1, fields.frame().y(j) - 2);
+      const auto matter = fields.column(i, j);
+      // Near the rims matter and air are thinner than a step.
+      if (std::abs(d - 5) < 0.15 || std::abs(d - 2.5) < 0.15) continue;
+      ASSERT_EQ(matter.size(), d > 5 ? 0u : d > 2.5 ? 1u : 2u) << d;
+      if (matter.empty()) continue;
+      const double half = std::sqrt(25 - d * d), z = fields.frame().origin.z;
+      EXPECT_NEAR(z + static_cast<double>(matter.front().bottom), 3 - half, tolerance);
+      EXPECT_NEAR(z + static_cast<double>(matter.back().top), 3 + half, tolerance);
+      if (matter.size() < 2) continue;
+      ++hollow;
+      EXPECT_NEAR(z + static_cast<double>(matter[0].top), 3 - std::sqrt(2.5 * 2.5 - d * d), tolerance);
+    }
+  EXPECT_GT(hollow, 20);
+}
+
+TEST(PrismConvert, FieldsBecomeColumnsByRoots) {
+  const auto field = field::compile(field::function(std::make_shared<Shell>()));
+  expect_shell(prism_from(field, {{-5, -4, -3}, {7, 8, 9}}, 0.5), 1e-3);
+}
+
+TEST(PrismConvert, GridsBecomeColumnsByTheirTrilinearRoots) {
+  const auto field = field::compile(field::function(std::make_shared<Shell>()));
+  const ScalarGrid grid = sample(field, frame_over({{-5, -4, -3}, {7, 8, 9}}, 0.25));
+  const PrismFields fields = prism_from(grid);
+  expect_shell(fields, 0.05);
+  for (int j = 0; j < fields.frame().ny; ++j)
+    for (int i = 0; i < fields.frame().nx; ++i)
+      for (const Matter& m : fields.column(i, j)) {
+        const ColumnFrame& f = fields.frame();
+        const auto at = [&](float z) {
+          return grid.value({f.x(i), f.y(j), f.origin.z + static_cast<double>(z)});
+        };
+        EXPECT_NEAR(at(m.bottom), 0, 1e-5);
+        EXPECT_NEAR(at(m.top), 0, 1e-5);
+      }
+}
+
+TEST(PrismConvert, WhatTheFrameCutsEndsThere) {
+  ScalarGrid grid({{0, 0, 10}, 0.5, {4, 4, 9}}, 1.0f);
+  const PrismFields fields = prism_from(grid);
+  EXPECT_EQ(fields.column(2, 1), (std::vector<Matter>{{0, 4}}));
+}
+
+PrismFields dug(Random& random, int tools) {
+  PrismFields fields = prism_box({{3, -4, 10}, 0.5, 0.75, 31, 25}, 8, 16);
+  const Box3d room{{3, -4, 8}, {18, 14, 16}};
+  for (int n = 0; n < tools; ++n)
+    fields.apply(random_tool(random, room), random.uniform() < 0.7 ? Edit::remove : Edit::add);
+  return fields;
+}
+
+TEST(PrismFunction, AgreesWithTheColumns) {
+  Random random(31);
+  for (int round = 0; round < 20; ++round) {
+    const PrismFields fields = dug(random, round);
+    const field::FunctionPtr f = as_function(fields, {.reach = 3});
+    const ColumnFrame& frame = fields.frame();
+    std::int64_t wrong = 0, all = 0;
+    for (int n = 0; n < 4000; ++n) {
+      const int i = 1 + static_cast<int>(random.below(29)), j = 1 + static_cast<int>(random.below(23));
+      const double z = random.uniform(7, 17);
+      // Beside the column, so that no wall that ends there makes it the surface.
+      const Vec3d p{frame.x(i) + 1e-7, frame.y(j) + 1e-7, z};
+      float value;
+      f->values({&p, 1}, {&value, 1});
+      bool in = false;
+      for (const Matter& m : fields.column(i, j)) {
+        const double bottom = frame.origin.z + static_cast<double>(m.bottom),
+                     top = frame.origin.z + static_cast<double>(m.top);
+        if (std::abs(z - bottom) < 1e-3 || std::abs(z - top) < 1e-3) in = value > 0;
+        in = in || (z > bottom && z < top);
+      }
+      ++all;
+      // A cell may lack what its column has (dead points); it never has what the column lacks.
+      if (value > 1e-3f) {
+        EXPECT_TRUE(in) << round << ": " << i << ", " << j << ", " << z;
+      }
+      wrong += in != (value > 0);
+    }
+    EXPECT_LE(wrong, all / 8) << round;
+  }
+}
+
+TEST(PrismFunction, IsTheDistanceToPlanesAndWalls) {
+  const field::FunctionPtr f = as_function(prism_box({{0, 0, 0}, 1, 1, 11, 11}, 0, 8), {.reach = 3});
+  const auto at = [&](Vec3d p) {
+    float v;
+    f->values({&p, 1}, {&v, 1});
+    return v;
+  };
+  EXPECT_FLOAT_EQ(at({5, 5, 7}), 1);
+  EXPECT_FLOAT_EQ(at({5, 5, 10}), -2);
+  EXPECT_FLOAT_EQ(at({5, 5, 4}), 3);
+  EXPECT_FLOAT_EQ(at({0.25, 5, 4}), 0.25f);
+  EXPECT_FLOAT_EQ(at({-0.5, 5, 4}), -0.5f);
+  EXPECT_FLOAT_EQ(at({-3, -4, 4}), -3);
+  // On a slope of 3 in 4.
+  raster::Raster slope;
+  slope.placement = {0, 20, 1, 1};
+  slope.values = raster::Grid<float>(20, 20);
+  for (int row = 0; row < 20; ++row)
+    for (int col = 0; col < 20; ++col) slope.values.at(col, row) = static_cast<float>(0.75 * (col + 0.5));
+  const field::FunctionPtr g = as_function(prism_from(slope, -10), {.reach = 3, .floor = -10});
+  const Vec3d p{10, 10, 7.5 + 1.25};
+  float v;
+  g->values({&p, 1}, {&v, 1});
+  EXPECT_FLOAT_EQ(v, -1);
+  const Vec3d deep{10, 10, -500};
+  g->values({&deep, 1}, {&v, 1});
+  EXPECT_FLOAT_EQ(v, 3);
+}
+
+TEST(PrismFunction, RangesEncloseAndPrune) {
+  Random random(32);
+  int pruned = 0, boxes = 0;
+  for (int round = 0; round < 12; ++round) {
+    const field::FunctionPtr f = as_function(dug(random, 2 * round), {.reach = 3});
+    for (int n = 0; n < 300; ++n) {
+      const Vec3d lo = random_point(random, {{1, -6, 5}, {20, 16, 18}});
+      const Box3d box{lo, lo + random_point(random, {{0, 0, 0}, {2, 2, 2}})};
+      const Interval range = f->range(box);
+      ++boxes;
+      pruned += range.lo > 0 || range.hi <= 0;
+      for (int s = 0; s < 60; ++s) {
+        const Vec3d p = random_point(random, box);
+        float v;
+        f->values({&p, 1}, {&v, 1});
+        ASSERT_GE(v, range.lo) << round;
+        ASSERT_LE(v, range.hi) << round;
+      }
+    }
+  }
+  EXPECT_GT(pruned, boxes / 4);
+}
+
+// From one side of a wall or a slab to the other nothing jumps: the value is small beside every change of
+// sign.
+TEST(PrismFunction, ChangesSignAtSmallValues) {
+  Random random(33);
+  for (int round = 0; round < 10; ++round) {
+    const field::FunctionPtr f = as_function(dug(random, 3 * round), {.reach = 3});
+    for (int n = 0; n < 2000; ++n) {
+      Vec3d a = random_point(random, {{3, -4, 8}, {18, 14, 16}}),
+            b = a + random_point(random, {{-1, -1, -1}, {1, 1, 1}});
+      float va, vb;
+      f->values({&a, 1}, {&va, 1});
+      f->values({&b, 1}, {&vb, 1});
+      if ((va > 0) == (vb > 0)) continue;
+      for (int k = 0; k < 40; ++k) {
+        const Vec3d m = (a + b) * 0.5;
+        float v;
+        f->values({&m, 1}, {&v, 1});
+        if ((v > 0) == (va > 0)) {
+          a = m, va = v;
+        } else {
+          b = m, vb = v;
+        }
+      }
+      EXPECT_LT(std::abs(va), 2e-3) << round << " at " << a.x << ", " << a.y << ", " << a.z;
+      EXPECT_LT(std::abs(vb), 2e-3) << round;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tafoni::volume
