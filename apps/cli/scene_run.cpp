@@ -64,6 +64,19 @@ void OutputOptions::declare(Args& args) {
   args.flag("--dry-run", dry_run, "Predict triangles, memory and bytes instead of writing");
 }
 
+bool is_mesh_file(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  if (extension.empty()) return false;
+  extension.erase(0, 1);
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const io::FormatType* format : io::all_formats())
+    if (format->read_mesh && std::find(format->extensions.begin(), format->extensions.end(), extension) !=
+                                 format->extensions.end())
+      return true;
+  return false;
+}
+
 bool is_scene_file(const std::string& path) {
   return fs::path(path).extension() == ".toml";
 }

@@ -42,6 +42,8 @@ struct OutputOptions {
 /// A scene file (.toml), or a scene of nothing but an elevation model.
 scene::Document open_document(const std::string& path);
 bool is_scene_file(const std::string& path);
+/// By its extension.
+bool is_mesh_file(const std::string& path);
 
 /// Builds, meshes and writes. Every output is checked before the work begins. `scene_file` is where the
 /// document came from, or empty.

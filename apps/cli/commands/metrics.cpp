@@ -1,12 +1,17 @@
 #include "tafoni/mesh/metrics.h"
 
+#include <charconv>
 #include <memory>
+#include <optional>
 
 #include "command.h"
+#include "scene_run.h"
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "tafoni/core/error.h"
 #include "tafoni/io/format.h"
+#include "tafoni/scene/sgm.h"
 
 namespace tafoni::cli {
 namespace {
@@ -55,11 +60,143 @@ std::string text_of(const mesh::MeshMetrics& m) {
   return out;
 }
 
+struct Options {
+  std::string file, details, layer;
+  bool sgm = false, csv = false;
+  std::optional<double> cube;
+  SceneOptions scene;
+};
+
+/// "7", or "1..32".
+std::vector<int> details_of(const std::string& text) {
+  if (text.empty()) return {};
+  const auto number = [&](std::string_view word) {
+    int value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc{} || end != word.data() + word.size() || value < 1 || value > 32)
+      fail(ErrorKind::usage, "--details {}: write a mesh detail from 1 to 32, or two as in 1..32", text);
+    return value;
+  };
+  const std::size_t dots = text.find("..");
+  const int first = number(std::string_view(text).substr(0, dots));
+  const int last = dots == text.npos ? first : number(std::string_view(text).substr(dots + 2));
+  if (last < first) fail(ErrorKind::usage, "--details {}: the first is greater than the last", text);
+  std::vector<int> out;
+  for (int detail = first; detail <= last; ++detail) out.push_back(detail);
+  return out;
+}
+
+using Json = nlohmann::ordered_json;
+
+template <class T>
+Json maybe(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json json_of(const scene::SgmMeasures& m) {
+  return {{"detail", m.detail > 0 ? Json(m.detail) : Json(nullptr)},
+          {"surface_area", m.area},
+          {"volume_cubes", m.closed ? Json(m.cubes.volume()) : Json(nullptr)},
+          {"volume_mesh", m.closed ? Json(m.volume) : Json(nullptr)},
+          {"convexity", m.convexity.factor()},
+          {"triangles", m.triangles},
+          {"elements", maybe(m.elements)},
+          {"productions", maybe(m.productions)},
+          {"seconds", maybe(m.seconds)},
+          {"cube_edge", m.cubes.edge},
+          {"cubes", m.cubes.count},
+          {"convex_edges", m.convexity.convex},
+          {"concave_edges", m.convexity.concave},
+          {"flat_edges", m.convexity.flat},
+          {"closed", m.closed}};
+}
+
+std::string text_of(const scene::SgmMeasures& m) {
+  std::string out;
+  const auto row = [&](const char* name, const std::string& value) {
+    out += fmt::format("{:<18} {}\n", name, value);
+  };
+  const std::string unknown = "not known of a mesh";
+  if (m.detail > 0) row("mesh detail L_D", fmt::format("{}", m.detail));
+  row("surface area", fmt::format("{:.1f} m2", m.area));
+  row("volume by cubes", m.closed ? fmt::format("{:.1f} m3, {} cubes of {:.4g} m", m.cubes.volume(),
+                                                with_commas(m.cubes.count), m.cubes.edge)
+                                  : "none: the mesh is not closed");
+  row("volume by mesh", m.closed ? fmt::format("{:.1f} m3", m.volume) : "none: the mesh is not closed");
+  row("convexity factor", fmt::format("{:.1f} %, {} convex edges, {} concave, {} flat", m.convexity.factor(),
+                                      with_commas(m.convexity.convex), with_commas(m.convexity.concave),
+                                      with_commas(m.convexity.flat)));
+  row("triangles", with_commas(m.triangles));
+  row("elements", m.elements ? fmt::format("{}", *m.elements) : unknown);
+  row("productions", m.productions ? fmt::format("{}", *m.productions) : unknown);
+  row("time", m.seconds ? as_time(*m.seconds) : unknown);
+  return out;
+}
+
+std::string csv_of(const std::vector<scene::SgmMeasures>& rows) {
+  std::string out;
+  for (const scene::SgmMeasures& m : rows) {
+    std::string names, values;
+    const Json json = json_of(m);
+    for (const auto& [name, value] : json.items()) {
+      names += (names.empty() ? "" : ",") + name;
+      values += (values.empty() ? "" : ",") + (value.is_null() ? std::string() : value.dump());
+    }
+    if (out.empty()) out = names + "\n";
+    out += values + "\n";
+  }
+  return out;
+}
+
+std::vector<scene::SgmMeasures> sgm(const Options& o, Console& console) {
+  if (is_mesh_file(o.file)) {
+    if (!o.details.empty() || !o.layer.empty())
+      fail(ErrorKind::usage, "--details and --layer are for scenes; give a mesh --cube");
+    const mesh::Mesh mesh = io::read_mesh(o.file);
+    const Vec3d size = mesh::metrics(mesh).bounds.size();
+    return {scene::sgm_measures(mesh, o.cube.value_or(std::max({size.x, size.y, size.z}) / 100), console)};
+  }
+  if (o.cube) fail(ErrorKind::usage, "--cube is for meshes; give a scene --details");
+  const std::vector<int> details = details_of(o.details);
+  scene::Document document = open_document(o.file);
+  o.scene.apply(document);
+  return scene::sgm_measures(scene::build(document, console), o.layer, details, console);
+}
+
+int run_sgm(const Options& o, Console& console) {
+  const std::vector<scene::SgmMeasures> rows = sgm(o, console);
+  std::string out;
+  if (o.csv) {
+    out = csv_of(rows);
+  } else if (console.json()) {
+    Json json = Json::array();
+    for (const scene::SgmMeasures& row : rows) json.push_back(json_of(row));
+    out = (rows.size() == 1 ? json[0] : json).dump(2) + "\n";
+  } else {
+    for (const scene::SgmMeasures& row : rows) out += (out.empty() ? "" : "\n") + text_of(row);
+  }
+  console.result(out);
+  return 0;
+}
+
 std::function<int(Console&)> setup(Args& args) {
-  auto file = std::make_shared<std::string>();
-  args.positional("MESH", *file, "Mesh file");
-  return [file](Console& console) {
-    const mesh::MeshMetrics m = mesh::metrics(io::read_mesh(*file));
+  auto o = std::make_shared<Options>();
+  args.positional("MESH|SCENE", o->file, "Mesh file; with --sgm, a scene file or an elevation model, too");
+  args.group("Grammar caves");
+  args.flag("--sgm", o->sgm,
+            "The seven measures of document 004, of a mesh or of a scene's grammar-cave layer");
+  args.text("--details", "L_D", o->details,
+            "Mesh detail of a scene's cave, 1 to 32, or a row for each as in 1..32");
+  args.number("--cube", "M", o->cube, 1e-4, 1e4, "m",
+              "Edge of the cubes counted in a mesh; default a hundredth of its longest side");
+  args.text("--layer", "NAME", o->layer, "Which grammar-cave layer; default the first");
+  args.flag("--csv", o->csv, "A table, a row for each mesh detail");
+  o->scene.declare(args);
+  return [o](Console& console) {
+    if (o->sgm) return run_sgm(*o, console);
+    if (o->csv || o->cube || !o->details.empty() || !o->layer.empty())
+      fail(ErrorKind::usage, "--details, --cube, --layer and --csv go with --sgm");
+    const mesh::MeshMetrics m = mesh::metrics(io::read_mesh(o->file));
     console.result(console.json() ? json_of(m).dump(2) + "\n" : text_of(m));
     return 0;
   };
@@ -69,7 +206,9 @@ std::function<int(Console&)> setup(Args& args) {
 
 const Command& command_metrics() {
   static const Command command = {"metrics", "Measure a mesh: area, volume, genus, bounds, edges",
-                                  "  tafoni metrics terrain.glb --json", setup};
+                                  "  tafoni metrics terrain.glb --json\n"
+                                  "  tafoni metrics --sgm scene.toml --details 1..32 --csv",
+                                  setup};
   return command;
 }
 

@@ -28,19 +28,6 @@ struct Render {
   std::optional<std::int64_t> samples;
 };
 
-bool is_mesh(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  if (extension.empty()) return false;
-  extension.erase(0, 1);
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  for (const io::FormatType* format : io::all_formats())
-    if (format->read_mesh && std::find(format->extensions.begin(), format->extensions.end(), extension) !=
-                                 format->extensions.end())
-      return true;
-  return false;
-}
-
 render::RenderSettings settings_of(const Render& r) {
   render::RenderSettings s;
   if (!r.size.empty()) {
@@ -94,7 +81,7 @@ mesh::Mesh geology_of(const Render& r, const scene::Document& document, render::
 }
 
 mesh::Mesh mesh_of(const Render& r, render::RenderSettings& settings, Console& console) {
-  if (is_mesh(r.input)) {
+  if (is_mesh_file(r.input)) {
     if (r.geology) fail(ErrorKind::usage, "--geology: a mesh has no geology; give a scene");
     check_output(r.output, {r.input});
     return io::read_mesh(r.input);
