@@ -15,35 +15,6 @@ namespace {
 
 using impl::Cone;
 
-/// Keeps the axis between the slopes that its ends allow: what a climber from either end could reach.
-void limit_slope(std::vector<AxisPoint>& axis, double slope) {
-  const std::size_t n = axis.size();
-  std::vector<double> along(n, 0.0);
-  for (std::size_t i = 1; i < n; ++i) {
-    const Vec3d d = axis[i].position - axis[i - 1].position;
-    along[i] = along[i - 1] + std::hypot(d.x, d.y);
-  }
-  const double first = axis.front().position.z, last = axis.back().position.z;
-  // Ends that are too far apart in height: an even ramp.
-  const double most = std::max(slope, std::abs(last - first) / std::max(along.back(), 1e-9));
-  std::vector<double> low(n), high(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double from = most * along[i], to = most * (along.back() - along[i]);
-    const double z =
-        std::clamp(axis[i].position.z, std::max(first - from, last - to), std::min(first + from, last + to));
-    low[i] = high[i] = z;
-  }
-  // The greatest function below and the least above the heights that are nowhere steeper; and their mean.
-  const auto relax = [&](std::size_t i, std::size_t from) {
-    const double d = most * std::abs(along[i] - along[from]);
-    low[i] = std::min(low[i], low[from] + d);
-    high[i] = std::max(high[i], high[from] - d);
-  };
-  for (std::size_t i = 1; i < n; ++i) relax(i, i - 1);
-  for (std::size_t i = n - 1; i-- > 0;) relax(i, i + 1);
-  for (std::size_t i = 1; i + 1 < n; ++i) axis[i].position.z = 0.5 * (low[i] + high[i]);
-}
-
 std::vector<Cone> cones_of(const Tunnel& tunnel) {
   std::vector<Cone> out;
   const auto& axis = tunnel.axis;
@@ -241,8 +212,43 @@ Tunnel fractal_tunnel(Vec3d from, Vec3d to, const TunnelSettings& s) {
     ahead.back().place = 2 * part.place + 1;
     ahead.push_back({middle, 2 * part.place});
   }
-  limit_slope(tunnel.axis, s.slope);
+  double along = 0;
+  for (std::size_t i = 1; i < tunnel.axis.size(); ++i) {
+    const Vec3d d = tunnel.axis[i].position - tunnel.axis[i - 1].position;
+    along += std::hypot(d.x, d.y);
+  }
+  // Ends that are too far apart in height: an even ramp.
+  level_axis(tunnel.axis, std::max(s.slope, std::abs(to.z - from.z) / std::max(along, 1e-9) * (1 + 1e-9)));
   return tunnel;
+}
+
+bool level_axis(std::vector<AxisPoint>& axis, double slope, const std::function<double(Vec3d)>& highest) {
+  const std::size_t n = axis.size();
+  std::vector<double> along(n, 0.0), low(n), high(n);
+  for (std::size_t i = 1; i < n; ++i) {
+    const Vec3d d = axis[i].position - axis[i - 1].position;
+    along[i] = along[i - 1] + std::hypot(d.x, d.y);
+  }
+  const double first = axis.front().position.z, last = axis.back().position.z;
+  // Between what a climber from either end could reach.
+  for (std::size_t i = 0; i < n; ++i) {
+    const double from = slope * along[i], to = slope * (along.back() - along[i]);
+    const double least = std::max(first - from, last - to);
+    double most = std::min(first + from, last + to);
+    if (highest && i > 0 && i + 1 < n) most = std::min(most, highest(axis[i].position));
+    if (least > most + 1e-9) return false;
+    low[i] = high[i] = std::clamp(axis[i].position.z, least, std::max(least, most));
+  }
+  // The greatest heights below, and the least above, that are nowhere steeper.
+  const auto relax = [&](std::size_t i, std::size_t from) {
+    const double d = slope * std::abs(along[i] - along[from]);
+    low[i] = std::min(low[i], low[from] + d);
+    high[i] = std::max(high[i], high[from] - d);
+  };
+  for (std::size_t i = 1; i < n; ++i) relax(i, i - 1);
+  for (std::size_t i = n - 1; i-- > 0;) relax(i, i + 1);
+  for (std::size_t i = 1; i + 1 < n; ++i) axis[i].position.z = highest ? low[i] : 0.5 * (low[i] + high[i]);
+  return true;
 }
 
 double length(const Tunnel& tunnel) {

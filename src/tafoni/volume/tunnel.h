@@ -2,6 +2,7 @@
 // Fractal tunnels: open space about a midpoint-displaced axis (document 001, section 3).
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -40,6 +41,12 @@ struct TunnelSettings {
 /// A tunnel between two points, by (settings, ends) alone. Throws Error{usage} for a radius or step that is
 /// not positive.
 Tunnel fractal_tunnel(Vec3d from, Vec3d to, const TunnelSettings& settings);
+
+/// Moves the points of an axis up and down, but for its ends, until it is nowhere steeper than `slope`, a
+/// tangent, and nowhere above `highest` at the place of the point; none: unlimited. False where the ends do
+/// not allow it.
+bool level_axis(std::vector<AxisPoint>& axis, double slope,
+                const std::function<double(Vec3d)>& highest = nullptr);
 
 double length(const Tunnel& tunnel);  ///< of the axis, metres
 /// The least of distance to the axis - radius there, over all of the axis: negative inside.

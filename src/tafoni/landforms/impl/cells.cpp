@@ -1,5 +1,6 @@
 #include "tafoni/landforms/impl/cells.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -24,6 +25,22 @@ std::optional<double> number_in(const Row& row, std::string_view column, std::st
   if (wrong != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
     fail(ErrorKind::usage, "{}: {} = \"{}\" is not a number", where, column, text);
   return value;
+}
+
+Vec3d point_in(const Row& row, std::string_view column, std::string_view where) {
+  const std::string_view text = text_in(row, column);
+  std::string_view left = text;
+  double v[3];
+  for (double& out : v) {
+    left.remove_prefix(std::min(left.find_first_not_of(", \t"), left.size()));
+    const auto [end, wrong] = std::from_chars(left.data(), left.data() + left.size(), out);
+    if (wrong != std::errc() || !std::isfinite(out))
+      fail(ErrorKind::usage, "{}: {} = \"{}\" must be three numbers, x y z", where, column, text);
+    left.remove_prefix(static_cast<std::size_t>(end - left.data()));
+  }
+  if (left.find_first_not_of(", \t") != left.npos)
+    fail(ErrorKind::usage, "{}: {} = \"{}\" must be three numbers, x y z", where, column, text);
+  return {v[0], v[1], v[2]};
 }
 
 double required_number_in(const Row& row, std::string_view column, std::string_view where) {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "tafoni/core/params.h"
+#include "tafoni/math/vec.h"
 
 namespace tafoni::landforms::impl {
 
@@ -12,6 +13,8 @@ namespace tafoni::landforms::impl {
 std::optional<double> number_in(const Row& row, std::string_view column, std::string_view where);
 /// The same, of a column that must not be empty.
 double required_number_in(const Row& row, std::string_view column, std::string_view where);
+/// Three numbers separated by commas or blanks.
+Vec3d point_in(const Row& row, std::string_view column, std::string_view where);
 std::string_view text_in(const Row& row, std::string_view column);
 
 }  // namespace tafoni::landforms::impl

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "tafoni/core/parallel.h"
@@ -228,17 +227,6 @@ class Making {
   volume::FractalSettings volume_;
 };
 
-/// Where the volume stands, and how far it has taken over; null for everywhere.
-field::FunctionPtr control_of(const Site& site, double fade) {
-  if (!site.valid) return as_function(site.region, fade);
-  Region region = site.region ? *site.region : Region();
-  auto mask = std::make_shared<raster::Raster>(*site.heights);
-  for (std::size_t i = 0; i < mask->values.size(); ++i)
-    mask->values.values()[i] = site.valid->values()[i] ? 1.0f : std::numeric_limits<float>::quiet_NaN();
-  region.limit_mask(std::move(mask));
-  return as_function(&region, fade);
-}
-
 }  // namespace
 
 field::FunctionPtr volume_leaf(ScalarGrid grid, double amplitude) {
@@ -266,9 +254,12 @@ FractalGround fractal_ground(const Ground& ground, const FractalGroundSettings& 
   out.volume = volume_leaf(std::move(grid), site.amplitude);
   const double fade = s.fade > 0 ? s.fade : 0.25 * making.cell();
   const field::FunctionPtr control = control_of(site, fade);
-  // Straight up and down without end: where the old terrain had rock or air, the volume may have neither.
+  // Straight up and down as far as the region goes: the volume has its own rock and air there.
   Box3d all = Box3d::everything();
-  if (site.region) all.lo = ground.box().lo, all.hi = ground.box().hi;
+  if (site.region) {
+    all = ground.box();
+    all.lo.z = site.region->bounds().lo.z, all.hi.z = site.region->bounds().hi.z;
+  }
   out.result.reshaped = all;
   out.result.reshape = [volume = out.volume, control,
                         t = static_cast<float>(site.amplitude)](field::NodePtr tree) {

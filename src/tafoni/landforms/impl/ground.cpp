@@ -1,6 +1,7 @@
 #include "tafoni/landforms/impl/ground.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "tafoni/raster/resample.h"
 
@@ -78,6 +79,16 @@ void Ground::resistances(std::span<const Vec3d> points, std::span<float> out) co
 
 double Ground::height(double x, double y) const {
   return raster::sample_bilinear(*site_.heights, x, y);
+}
+
+field::FunctionPtr control_of(const Site& site, double fade) {
+  if (!site.valid) return as_function(site.region, fade);
+  Region region = site.region ? *site.region : Region();
+  auto mask = std::make_shared<raster::Raster>(*site.heights);
+  for (std::size_t i = 0; i < mask->values.size(); ++i)
+    mask->values.values()[i] = site.valid->values()[i] ? 1.0f : std::numeric_limits<float>::quiet_NaN();
+  region.limit_mask(std::move(mask));
+  return as_function(&region, fade);
 }
 
 }  // namespace tafoni::landforms::impl

@@ -36,4 +36,8 @@ class Ground {
   double pixel_;
 };
 
+/// Where the site may be changed as a control field: the region's, 0 where data are missing; null for
+/// everywhere.
+field::FunctionPtr control_of(const Site& site, double fade);
+
 }  // namespace tafoni::landforms::impl
