@@ -94,6 +94,12 @@ Topic sections() {
                          {},
                          scene::params_of_layer(scene::sculpt_layer),
                          {}});
+  out.entries.push_back({"[[layer]] type = \"volume\"",
+                         "A sampled volume from a file",
+                         "documents 001 and 002",
+                         {},
+                         scene::params_of_layer(scene::volume_layer),
+                         {}});
   return out;
 }
 

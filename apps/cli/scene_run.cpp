@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "tafoni/core/atomic_file.h"
 #include "tafoni/io/format.h"
 #include "tafoni/scene/mesh_scene.h"
+#include "tafoni/scene/volume_scene.h"
 
 namespace tafoni::cli {
 
@@ -55,12 +57,17 @@ void SceneOptions::apply(scene::Document& document) const {
 
 void OutputOptions::declare(Args& args) {
   args.group("Output");
-  args.text("-o,--output", "FILE", mesh, "Mesh to write; the extension chooses the format");
+  args.texts("-o,--output", "FILE", files,
+             "Mesh or volume to write; the extension chooses the format; may be repeated");
   args.text("--preview", "PNG", preview, "Picture to write");
   args.text("--save-scene", "TOML", save_scene, "Scene file to write, which builds the same again");
   args.text("--report", "JSON", report, "Report to write: timings, counts, bounds, warnings");
   args.integer("--tiles", "N", tiles, 1, 1024,
                "Write N x N meshes that meet exactly, as NAME_X_Y; memory for one tile at a time");
+  args.number("--band", "M", band, 0, 1e5, "m",
+              "Greatest magnitude of a volume's values, so that only what is near the surface takes space; 0 "
+              "keeps all; default: four cells");
+  args.flag("--half", half, "Write volumes in half precision");
   args.flag("--dry-run", dry_run, "Predict triangles, memory and bytes instead of writing");
 }
 
@@ -83,6 +90,7 @@ bool is_scene_file(const std::string& path) {
 
 scene::Document open_document(const std::string& path) {
   if (is_scene_file(path)) return scene::load_scene(path);
+  if (io::can(path, io::Ability::read_volume)) return scene::volume_document(path);
   scene::Document document;
   document.terrain.source = path;
   return document;
@@ -118,14 +126,29 @@ void write_file(const fs::path& path, const std::string& text) {
 
 namespace {
 
+/// What -o asks for, by what it is.
+struct Files {
+  std::vector<std::string> meshes, volumes;
+
+  explicit Files(const OutputOptions& outputs) {
+    for (const std::string& file : outputs.files) {
+      const auto& format = io::format_of(file, {io::Ability::write_mesh, io::Ability::write_volume});
+      (format.write_mesh ? meshes : volumes).push_back(file);
+    }
+  }
+};
+
 void check_outputs(const scene::Document& document, const std::string& scene_file,
                    const OutputOptions& outputs) {
-  if (outputs.mesh.empty() && outputs.preview.empty() && outputs.save_scene.empty() &&
-      outputs.report.empty() && !outputs.dry_run)
+  if (!outputs.builds() && outputs.save_scene.empty() && !outputs.dry_run)
     fail(ErrorKind::usage, "nothing to write: give -o FILE, --preview PNG, --report JSON or --dry-run");
-  if (!outputs.mesh.empty()) io::format_of(outputs.mesh, io::Ability::write_mesh);
+  const Files files(outputs);
+  if (files.volumes.empty() && (outputs.band || outputs.half))
+    fail(ErrorKind::usage, "--band and --half are for volumes; give -o FILE.tvol or FILE.vdb");
   if (!outputs.preview.empty()) io::format_of(outputs.preview, io::Ability::write_image);
   const bool tiled = outputs.tiles.value_or(1) > 1;
+  if (tiled && !files.volumes.empty())
+    fail(ErrorKind::usage, "{}: a volume is written as a whole; leave out --tiles", files.volumes.front());
   if (tiled && !outputs.preview.empty())
     fail(ErrorKind::usage, "--preview needs the whole mesh at once; leave out --tiles, or use tafoni render");
 
@@ -137,7 +160,9 @@ void check_outputs(const scene::Document& document, const std::string& scene_fil
   }
   if (!scene_file.empty()) inputs.push_back(scene_file);
   std::vector<std::string> seen = {outputs.save_scene};
-  for (const std::string& path : {outputs.mesh, outputs.preview, outputs.report}) {
+  std::vector<std::string> wanted = outputs.files;
+  wanted.insert(wanted.end(), {outputs.preview, outputs.report});
+  for (const std::string& path : wanted) {
     if (path.empty()) continue;
     if (std::find(seen.begin(), seen.end(), path) != seen.end())
       fail(ErrorKind::usage, "{}: is asked for twice; give each output a name of its own", path);
@@ -252,37 +277,57 @@ void print_prediction(const scene::BuiltScene& scene, Console& console) {
       p.voxel, p.coarse_voxel, with_commas(p.triangles), as_bytes(p.memory), as_bytes(p.file_bytes)));
 }
 
-scene::MeshResult write_tiles(const scene::BuiltScene& scene, const OutputOptions& outputs,
-                              std::vector<fs::path>& written, Console& console) {
-  TileFolder folder(outputs.mesh);
+scene::MeshResult write_tiles(const scene::BuiltScene& scene, const std::vector<std::string>& files,
+                              std::int64_t tiles, std::vector<fs::path>& written, Console& console) {
+  std::deque<TileFolder> folders;
+  for (const std::string& file : files) folders.emplace_back(file);
   scene::MeshResult result = scene::mesh_scene_tiles(
-      scene, static_cast<int>(*outputs.tiles),
+      scene, static_cast<int>(tiles),
       [&](mesh::TileIndex index, mesh::Mesh&& tile) {
         if (tile.triangles.empty()) return;
-        io::write_mesh(folder.next(index), tile, metadata(scene, outputs.mesh), console);
+        for (std::size_t i = 0; i < files.size(); ++i)
+          io::write_mesh(folders[i].next(index), tile, metadata(scene, files[i]), console);
       },
       console);
-  for (auto& path : folder.commit()) written.push_back(std::move(path));
+  for (TileFolder& folder : folders)
+    for (auto& path : folder.commit()) written.push_back(std::move(path));
   return result;
 }
 
-scene::MeshResult write_whole(const scene::BuiltScene& scene, const OutputOptions& outputs,
-                              std::vector<fs::path>& written, Console& console) {
+scene::MeshResult write_whole(const scene::BuiltScene& scene, const std::vector<std::string>& files,
+                              const std::string& preview, std::vector<fs::path>& written, Console& console) {
   scene::MeshResult result = scene::mesh_scene(scene, console);
   if (result.mesh.triangles.empty())
     fail(ErrorKind::input, "the scene has no surface; check the terrain's window, domain and voxel size");
-  if (!outputs.mesh.empty()) {
-    io::write_mesh(outputs.mesh, result.mesh, metadata(scene, outputs.mesh), console);
-    written.emplace_back(outputs.mesh);
+  for (const std::string& file : files) {
+    io::write_mesh(file, result.mesh, metadata(scene, file), console);
+    written.emplace_back(file);
   }
-  if (!outputs.preview.empty()) {
+  if (!preview.empty()) {
     render::RenderSettings settings;
     settings.sea_level = scene::sea_level(scene.document);
     const render::Scene picture(result.mesh, console);
-    io::write_image(outputs.preview, picture.render(picture.frame(settings), settings, console));
-    written.emplace_back(outputs.preview);
+    io::write_image(preview, picture.render(picture.frame(settings), settings, console));
+    written.emplace_back(preview);
   }
   return result;
+}
+
+void write_volumes(const scene::BuiltScene& scene, const OutputOptions& outputs,
+                   const std::vector<std::string>& files, std::vector<fs::path>& written, Console& console) {
+  volume::SampleSettings settings;
+  settings.band = outputs.band.value_or(4 * scene.voxel);
+  if (outputs.half) settings.precision = volume::Precision::half;
+  io::Volume volume = scene::sample_scene(scene, settings, console);
+  for (const std::string& file : files) {
+    volume.metadata = metadata(scene, file);
+    io::write_volume(file, volume, console);
+    written.emplace_back(file);
+  }
+  const Vec3i n = volume.grid.frame().size;
+  if (!console.json())
+    console.print(fmt::format("volume: {} x {} x {} samples of {:g} m, {} in memory\n", n.x, n.y, n.z,
+                              volume.grid.frame().spacing, as_bytes(volume.grid.bytes())));
 }
 
 }  // namespace
@@ -290,15 +335,18 @@ scene::MeshResult write_whole(const scene::BuiltScene& scene, const OutputOption
 void run_scene(const scene::Document& document, const std::string& scene_file, const OutputOptions& outputs,
                Console& console) {
   check_outputs(document, scene_file, outputs);
-  const bool meshed = !outputs.mesh.empty() || !outputs.preview.empty() || !outputs.report.empty();
   std::vector<fs::path> written;
-  if (meshed || outputs.dry_run) {
+  if (outputs.builds() || outputs.dry_run) {
     const scene::BuiltScene scene = scene::build(document, console);
     if (outputs.dry_run) return print_prediction(scene, console);
-    const scene::MeshResult result = outputs.tiles.value_or(1) > 1 && !outputs.mesh.empty()
-                                         ? write_tiles(scene, outputs, written, console)
-                                         : write_whole(scene, outputs, written, console);
-    const std::string report = scene::report_json(scene, &result, console.warnings());
+    const Files files(outputs);
+    const std::int64_t tiles = outputs.tiles.value_or(1);
+    std::optional<scene::MeshResult> result;
+    if (tiles > 1 && !files.meshes.empty())
+      result = write_tiles(scene, files.meshes, tiles, written, console);
+    else if (!files.meshes.empty() || !outputs.preview.empty() || !outputs.report.empty())
+      result = write_whole(scene, files.meshes, outputs.preview, written, console);
+    const std::string report = scene::report_json(scene, result ? &*result : nullptr, console.warnings());
     if (!outputs.report.empty()) {
       write_file(outputs.report, report);
       written.emplace_back(outputs.report);
@@ -307,6 +355,7 @@ void run_scene(const scene::Document& document, const std::string& scene_file, c
       console.result(report);
     else
       console.print(summary(Json::parse(report)));
+    if (!files.volumes.empty()) write_volumes(scene, outputs, files.volumes, written, console);
   }
   if (!outputs.save_scene.empty()) {
     scene::save_scene(document, outputs.save_scene);

@@ -32,14 +32,19 @@ struct SceneOptions {
 
 /// What a build leaves behind.
 struct OutputOptions {
-  std::string mesh, preview, save_scene, report;
+  std::vector<std::string> files;  ///< meshes and volumes
+  std::string preview, save_scene, report;
   std::optional<std::int64_t> tiles;
+  std::optional<double> band;
+  bool half = false;
   bool dry_run = false;
 
   void declare(Args& args);
+  /// Whether anything is asked for that takes building the scene.
+  bool builds() const { return !files.empty() || !preview.empty() || !report.empty(); }
 };
 
-/// A scene file (.toml), or a scene of nothing but an elevation model.
+/// A scene file (.toml), or a scene of nothing but an elevation model or a volume.
 scene::Document open_document(const std::string& path);
 bool is_scene_file(const std::string& path);
 /// By its extension.

@@ -13,7 +13,7 @@ std::function<int(Console&)> setup(Args& args) {
     OutputOptions outputs;
   };
   auto b = std::make_shared<Build>();
-  args.positional("SCENE", b->scene_file, "Scene file (.toml), or an elevation model");
+  args.positional("SCENE", b->scene_file, "Scene file (.toml), or an elevation model or a volume");
   b->scene.declare(args);
   b->outputs.declare(args);
   return [b](Console& console) {
@@ -27,10 +27,13 @@ std::function<int(Console&)> setup(Args& args) {
 }  // namespace
 
 const Command& command_build() {
-  static const Command command = {"build", "Build a scene file into a mesh",
-                                  "  tafoni build scene.toml -o terrain.glb --report report.json\n"
-                                  "  tafoni build scene.toml --voxel 2 --dry-run",
-                                  setup};
+  static const Command command = {
+      "build", "Build a scene file, an elevation model or a volume into meshes and volumes",
+      "  tafoni build scene.toml -o terrain.glb --report report.json\n"
+      "  tafoni build scene.toml -o cave.vdb -o cave.glb\n"
+      "  tafoni build cave.vdb -o cave.glb\n"
+      "  tafoni build scene.toml --voxel 2 --dry-run",
+      setup};
   return command;
 }
 

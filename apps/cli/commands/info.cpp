@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tafoni/io/dem.h"
+#include "tafoni/io/format.h"
 
 namespace tafoni::cli {
 namespace {
@@ -58,17 +59,62 @@ std::string dem_text(const std::string& file, const io::DemInfo& d) {
   return out;
 }
 
-Json settings_json(const std::vector<ParamInfo>& infos, const void* object) {
-  Json out = Json::object();
-  for (const ParamInfo& info : infos)
-    std::visit([&](const auto& v) { out[info.name] = v; }, info.load(info, object));
-  return out;
-}
-
 Json values_json(const Values& values) {
   Json out = Json::object();
   for (const auto& [name, value] : values)
     std::visit([&, &key = name](const auto& v) { out[key] = v; }, value);
+  return out;
+}
+
+Json volume_json(const std::string& file, const io::Volume& v) {
+  const volume::GridFrame& frame = v.grid.frame();
+  const Interval range = v.grid.range(frame.box());
+  const Vec3d lo = v.origin + frame.box().lo, hi = v.origin + frame.box().hi;
+  const Vec3i chunks = v.grid.chunks();
+  Json out = {{"file", file},
+              {"name", v.metadata.name},
+              {"crs", v.metadata.crs},
+              {"samples", {frame.size.x, frame.size.y, frame.size.z}},
+              {"spacing_m", frame.spacing},
+              {"precision", v.grid.precision() == volume::Precision::half ? "half" : "single"},
+              {"low", {lo.x, lo.y, lo.z}},
+              {"high", {hi.x, hi.y, hi.z}},
+              {"least_m", range.lo},
+              {"greatest_m", range.hi},
+              {"chunks", std::int64_t{chunks.x} * chunks.y * chunks.z},
+              {"full_chunks", v.grid.full_chunks()},
+              {"memory_bytes", v.grid.bytes()}};
+  out["generator"] = values_json(v.metadata.generator);
+  return out;
+}
+
+std::string volume_text(const Json& v) {
+  std::string out;
+  const auto row = [&](const char* name, const std::string& value) {
+    out += fmt::format("{:<12} {}\n", name, value);
+  };
+  const auto point = [](const Json& p) {
+    return fmt::format("{:.10g} {:.10g} {:.10g}", p[0].get<double>(), p[1].get<double>(), p[2].get<double>());
+  };
+  row("file", v["file"]);
+  row("volume", fmt::format("{} x {} x {} samples of {:g} m, {} precision", v["samples"][0].get<int>(),
+                            v["samples"][1].get<int>(), v["samples"][2].get<int>(),
+                            v["spacing_m"].get<double>(), v["precision"].get<std::string>()));
+  row("CRS", v["crs"].get<std::string>().empty() ? "unknown" : v["crs"].get<std::string>());
+  row("low corner", point(v["low"]));
+  row("high corner", point(v["high"]));
+  row("values", fmt::format("{:.6g} to {:.6g} m, positive in rock", v["least_m"].get<double>(),
+                            v["greatest_m"].get<double>()));
+  row("memory", fmt::format("{}, {} of {} chunks hold more than one value", as_bytes(v["memory_bytes"]),
+                            with_commas(v["full_chunks"]), with_commas(v["chunks"])));
+  if (!v["generator"].empty()) row("made by", v["generator"].dump());
+  return out;
+}
+
+Json settings_json(const std::vector<ParamInfo>& infos, const void* object) {
+  Json out = Json::object();
+  for (const ParamInfo& info : infos)
+    std::visit([&](const auto& v) { out[info.name] = v; }, info.load(info, object));
   return out;
 }
 
@@ -133,39 +179,49 @@ std::string scene_text(const scene::Document& d) {
   return out;
 }
 
+/// What a file of elevations or a volume holds, as JSON and as text.
+std::pair<Json, std::string> source_of(const std::string& file, int band, Console& console) {
+  if (io::can(file, io::Ability::read_volume)) {
+    const Json json = volume_json(file, io::read_volume(file, console));
+    return {json, volume_text(json)};
+  }
+  const io::DemInfo dem = io::inspect_dem(file, band, console);
+  return {dem_json(file, dem), dem_text(file, dem)};
+}
+
 int run(const std::string& file, Console& console) {
-  if (!is_scene_file(file)) {
-    const io::DemInfo dem = io::inspect_dem(file, 0, console);
-    console.result(console.json()
-                       ? dem_json(file, dem).dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
-                       : dem_text(file, dem));
+  const auto print = [&](const Json& json, const std::string& text) {
+    console.result(console.json() ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : text);
     return 0;
+  };
+  if (!is_scene_file(file)) {
+    const auto [json, text] = source_of(file, 0, console);
+    return print(json, text);
   }
   const scene::Document document = scene::load_scene(file);
   Json json = scene_json(document);
   std::string text = scene_text(document);
   if (!document.terrain.source.empty()) {
     const std::string source = document.resolved(document.terrain.source).string();
-    const io::DemInfo dem = io::inspect_dem(source, static_cast<int>(document.terrain.band), console);
-    json["source"] = dem_json(source, dem);
-    text += dem_text(source, dem);
+    const auto [own, lines] = source_of(source, static_cast<int>(document.terrain.band), console);
+    json["source"] = own;
+    text += lines;
   }
-  console.result(console.json() ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : text);
-  return 0;
+  return print(json, text);
 }
 
 std::function<int(Console&)> setup(Args& args) {
   auto file = std::make_shared<std::string>();
-  args.positional("DEM|SCENE", *file, "Elevation model or scene file (.toml)");
+  args.positional("DEM|VOLUME|SCENE", *file, "Elevation model, volume or scene file (.toml)");
   return [file](Console& console) { return run(*file, console); };
 }
 
 }  // namespace
 
 const Command& command_info() {
-  static const Command command = {"info",
-                                  "Tell what an elevation model or a scene holds, and what would be fixed",
-                                  "  tafoni info dem.tif\n  tafoni info scene.toml --json", setup};
+  static const Command command = {
+      "info", "Tell what an elevation model, a volume or a scene holds, and what would be fixed",
+      "  tafoni info dem.tif\n  tafoni info cave.vdb\n  tafoni info scene.toml --json", setup};
   return command;
 }
 

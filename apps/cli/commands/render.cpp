@@ -114,7 +114,7 @@ int run(const Render& r, Console& console) {
 
 std::function<int(Console&)> setup(Args& args) {
   auto r = std::make_shared<Render>();
-  args.positional("SCENE|MESH", r->input, "Scene file (.toml), elevation model or mesh");
+  args.positional("SCENE|MESH", r->input, "Scene file (.toml), elevation model, volume or mesh");
   args.text("-o,--output", "PNG", r->output, "Picture to write");
   args.group("View");
   args.numbers("--camera", "EX,EY,EZ,TX,TY,TZ", r->camera, 6,

@@ -84,7 +84,7 @@ int run(const Sculpt& s, Console& console) {
          "{}: strokes are kept with a scene file; make one with tafoni amplify --save-scene", s.scene_file);
   const bool changes =
       !s.strokes.empty() || !s.strokes_file.empty() || s.undo || s.redo || s.go_to || s.mute || s.unmute;
-  const bool builds = !s.outputs.mesh.empty() || !s.outputs.preview.empty() || !s.outputs.report.empty();
+  const bool builds = s.outputs.builds();
   if (!changes && !builds && !s.list && !s.all && s.write.empty())
     fail(ErrorKind::usage,
          "nothing to do: give --stroke, --strokes, --undo, --redo, --mute, --unmute, --list or --write");

@@ -27,10 +27,10 @@ bool able(const FormatType& format, Ability ability) {
   return false;
 }
 
-std::vector<std::string> known_extensions(Ability ability) {
+std::vector<std::string> known_extensions(std::initializer_list<Ability> abilities) {
   std::vector<std::string> known;
   for (const FormatType* format : all_formats())
-    if (able(*format, ability))
+    if (std::ranges::any_of(abilities, [&](Ability ability) { return able(*format, ability); }))
       known.insert(known.end(), format->extensions.begin(), format->extensions.end());
   return known;
 }
@@ -69,17 +69,20 @@ bool can(const std::filesystem::path& path, Ability ability) {
   return find(lower_extension(path), ability) != nullptr;
 }
 
-const FormatType& format_of(const std::filesystem::path& path, Ability ability) {
+const FormatType& format_of(const std::filesystem::path& path, std::initializer_list<Ability> abilities) {
   static constexpr const char* verbs[] = {"written as a mesh", "read as a mesh", "written as a picture",
                                           "written as a volume", "read as a volume"};
   const std::string extension = lower_extension(path);
-  if (const FormatType* format = find(extension, ability)) return *format;
-  const std::vector<std::string> known = known_extensions(ability);
+  std::string what;
+  for (const Ability ability : abilities) {
+    if (const FormatType* format = find(extension, ability)) return *format;
+    what += (what.empty() ? "" : " or ") + std::string(verbs[static_cast<int>(ability)]);
+  }
+  const std::vector<std::string> known = known_extensions(abilities);
   const std::string near = nearest(extension, known);
   fail(ErrorKind::usage, "{}: a file with {} cannot be {}; {}known extensions: .{}.", path.string(),
-       extension.empty() ? "no extension" : "extension '." + extension + "'",
-       verbs[static_cast<int>(ability)], near.empty() ? "" : fmt::format("did you mean '.{}'? ", near),
-       fmt::join(known, ", ."));
+       extension.empty() ? "no extension" : "extension '." + extension + "'", what,
+       near.empty() ? "" : fmt::format("did you mean '.{}'? ", near), fmt::join(known, ", ."));
 }
 
 void write_mesh(const std::filesystem::path& path, const mesh::Mesh& mesh, const MeshMetadata& metadata,

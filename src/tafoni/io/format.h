@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
@@ -59,8 +60,12 @@ const FormatType& find_format(std::string_view name);
 enum class Ability { write_mesh, read_mesh, write_image, write_volume, read_volume };
 /// Whether some format of `path`'s extension can.
 bool can(const std::filesystem::path& path, Ability ability);
-/// The format of `path` by its extension. Throws Error{usage} that lists the extensions that can.
-const FormatType& format_of(const std::filesystem::path& path, Ability ability);
+/// The format of `path` by its extension, with the first of the abilities that it has. Throws Error{usage}
+/// that lists the extensions that can.
+const FormatType& format_of(const std::filesystem::path& path, std::initializer_list<Ability> abilities);
+inline const FormatType& format_of(const std::filesystem::path& path, Ability ability) {
+  return format_of(path, {ability});
+}
 
 /// Writes beside `path` and renames, so that no partial file is ever seen. Throws Error{output}.
 void write_mesh(const std::filesystem::path& path, const mesh::Mesh& mesh, const MeshMetadata& metadata = {},

@@ -30,7 +30,8 @@ const std::vector<ParamInfo>& terrain_params() {
   using S = TerrainSettings;
   static const std::vector<ParamInfo> params =
       ParamTable<S>()
-          .text("source", &S::source, "Path of an elevation model, anything that GDAL reads")
+          .text("source", &S::source,
+                "Path of an elevation model, anything that GDAL reads; or of a volume, for its upper surface")
           .text("generator", &S::generator, "Name of a built-in generator, in place of a source")
           .numbers("window", &S::window, "pixels", 4, 0, 2147483647,
                    "Column, row, width and height of the part to read, as gdal_translate -srcwin")
@@ -110,6 +111,9 @@ std::vector<std::string*> paths_of(Layer& layer) {
   if (layer.type == primitives_layer || layer.type == sculpt_layer)
     for (auto& [name, value] : layer.values)
       if (auto* path = std::get_if<std::string>(&value)) add(*path);
+  if (layer.type == volume_layer)
+    if (const auto file = layer.values.find("file"); file != layer.values.end())
+      add(std::get<std::string>(file->second));
   return out;
 }
 
@@ -180,6 +184,13 @@ void check(const Document& document, std::string_view where) {
            at, to_toml(s.box), layer.type);
     if (layer.type == primitives_layer && !layer.values.contains("file"))
       fail(ErrorKind::input, "{}: a primitives layer needs file, the path of a CSV", at);
+    if (layer.type != volume_layer) continue;
+    if (!layer.values.contains("file"))
+      fail(ErrorKind::input, "{}: a volume layer needs file, the path of a .tvol or .vdb", at);
+    if (!s.region.empty() || !s.mask.empty() || !s.altitude.empty() || !s.box.empty() || !s.points.empty())
+      fail(ErrorKind::input,
+           "{}: a volume layer acts where its volume is; leave out region, mask, altitude, box and points",
+           at);
   }
 }
 

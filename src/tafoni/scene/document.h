@@ -24,7 +24,7 @@ const std::vector<ParamInfo>& scene_params();
 
 /// [terrain]. Either `source` or `generator` is set in a document that can be built.
 struct TerrainSettings {
-  std::string source;          ///< path, as the scene file says it
+  std::string source;          ///< path, as the scene file says it; of a volume, its upper surface is taken
   std::string generator;       ///< a registered generator; `values` are its parameters
   std::vector<double> window;  ///< column, row, width, height in pixels of the source; empty: all
   double resolution = 0;       ///< metres; 0: the source's own
@@ -69,7 +69,8 @@ struct LayerSettings {
 };
 const std::vector<ParamInfo>& layer_params();
 
-/// One [[layer]]: a landform by name, "primitives" with the path of a CSV, or "sculpt" with strokes.
+/// One [[layer]]: a landform by name, "primitives" with the path of a CSV, "sculpt" with strokes, or "volume"
+/// with the path of a volume.
 struct Layer {
   std::string type;
   LayerSettings settings;
@@ -78,7 +79,8 @@ struct Layer {
 };
 /// The parameters of a layer type beyond layer_params(). Throws Error{usage} naming the nearest known type.
 const std::vector<ParamInfo>& params_of_layer(std::string_view type);
-inline constexpr std::string_view primitives_layer = "primitives", sculpt_layer = "sculpt";
+inline constexpr std::string_view primitives_layer = "primitives", sculpt_layer = "sculpt",
+                                  volume_layer = "volume";
 /// What messages call a layer: its name or else its type.
 const std::string& shown_name(const Layer& layer);
 /// The paths of files that a layer names, for reading or changing them. None is empty.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include <nlohmann/json.hpp>
 
@@ -12,6 +13,15 @@ namespace tafoni::io::impl {
 
 using volume::SampleBox;
 using volume::ScalarGrid;
+
+namespace {
+
+/// To the bit, so that zeros of both signs differ.
+bool all_alike(const std::vector<float>& values) {
+  return std::memcmp(values.data(), values.data() + 1, (values.size() - 1) * sizeof(float)) == 0;
+}
+
+}  // namespace
 
 std::int64_t chunk_count(const ScalarGrid& grid) {
   const Vec3i n = grid.chunks();
@@ -49,6 +59,7 @@ void fill_chunks(ScalarGrid& grid, std::string_view file,
           chunk.values.resize(static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) *
                               static_cast<std::size_t>(n.z));
           load(begin + i, chunk);
+          if (!chunk.same && all_alike(chunk.values)) chunk.same = chunk.values.front();
           const bool finite = chunk.same ? std::isfinite(*chunk.same)
                                          : std::all_of(chunk.values.begin(), chunk.values.end(),
                                                        [](float v) { return std::isfinite(v); });

@@ -15,6 +15,7 @@
 #include "tafoni/raster/resample.h"
 #include "tafoni/scene/csv.h"
 #include "tafoni/scene/impl/primitives_layer.h"
+#include "tafoni/scene/impl/volume_layer.h"
 #include "tafoni/scene/journal.h"
 #include "tafoni/terrain/generator.h"
 
@@ -35,13 +36,8 @@ field::TerrainSettings field_settings(const TerrainSettings& t) {
   return {t.influence, t.amplitude, t.interpolation == "bicubic", t.distance == "first-order"};
 }
 
-raster::Raster read_terrain(const Document& document, Progress& progress) {
+raster::Raster read_elevations(const Document& document, Progress& progress) {
   const TerrainSettings& t = document.terrain;
-  if (!t.generator.empty()) {
-    raster::Raster made = terrain::find_generator(t.generator)
-                              .generate(t.values, static_cast<std::uint64_t>(document.scene.seed), progress);
-    return t.resolution > 0 ? raster::at_resolution(made, t.resolution, progress) : made;
-  }
   io::DemOptions options;
   if (!t.window.empty()) {
     std::array<int, 4> window{};
@@ -56,6 +52,16 @@ raster::Raster read_terrain(const Document& document, Progress& progress) {
   options.pixel_size = t.pixel_size;
   options.height_scale = t.height_scale;
   return io::read_dem(document.resolved(t.source), options, progress).raster;
+}
+
+bool is_volume(const Document& document) {
+  return io::can(document.terrain.source, io::Ability::read_volume);
+}
+
+double chosen_voxel(const Document& document, const raster::Raster& raster, double influence) {
+  if (document.scene.voxel > 0) return document.scene.voxel;
+  // On a volume's own samples nothing is lost.
+  return is_volume(document) ? raster.placement.dx : default_voxel(raster, influence);
 }
 
 /// The geologies of a list, each with a seed of its place.
@@ -178,9 +184,9 @@ void Builder::make_ground(Stage& stage, Progress& progress) {
       raster_key, [&] { return std::make_shared<raster::Raster>(read_terrain(document, progress)); });
   scene.seconds.emplace_back("read terrain", watch.seconds());
   scene.crs = raster->crs;
-  scene.voxel =
-      document.scene.voxel > 0 ? document.scene.voxel : default_voxel(*raster, scene.settings.influence);
-  if (document.scene.voxel <= 0 && !document.layers.empty() && scene.voxel > scene.settings.influence / 4)
+  scene.voxel = chosen_voxel(document, *raster, scene.settings.influence);
+  if (document.scene.voxel <= 0 && !is_volume(document) && !document.layers.empty() &&
+      scene.voxel > scene.settings.influence / 4)
     progress.warn(fmt::format(
         "the terrain is so large that the voxel was set to {:g} m, too coarse for landforms of a few metres; "
         "choose a part of it with --window (or window = […]), or a smaller voxel",
@@ -207,6 +213,25 @@ void Builder::make_ground(Stage& stage, Progress& progress) {
   stage.built.ground = key;
   stage.below = key;
   scene.seconds.emplace_back("terrain", watch.seconds());
+}
+
+std::shared_ptr<const io::Volume> Builder::read_volume(const std::filesystem::path& file,
+                                                       Progress& progress) {
+  return volumes_.get(files_.of(file),
+                      [&] { return std::make_shared<const io::Volume>(io::read_volume(file, progress)); });
+}
+
+raster::Raster Builder::read_terrain(const Document& document, Progress& progress) {
+  const TerrainSettings& t = document.terrain;
+  if (t.generator.empty() && !is_volume(document)) return read_elevations(document, progress);
+  if (!t.window.empty())
+    fail(ErrorKind::input, "{}: a volume is taken as a whole; leave out the window", t.source);
+  const raster::Raster made =
+      t.generator.empty()
+          ? heights_of(*read_volume(document.resolved(t.source), progress))
+          : terrain::find_generator(t.generator)
+                .generate(t.values, static_cast<std::uint64_t>(document.scene.seed), progress);
+  return t.resolution > 0 ? raster::at_resolution(made, t.resolution, progress) : made;
 }
 
 void Builder::make_geology(Stage& stage) {
@@ -326,6 +351,11 @@ BuiltLayer Builder::run_layer(Stage& stage, std::size_t index, Progress& progres
       out.result.reused = true;
     } else if (layer.type == primitives_layer) {
       out.result.made.nodes = read_primitives(layer, seed, scene, region.get());
+    } else if (layer.type == volume_layer) {
+      VolumeSettings settings;
+      assign(volume_params(), &settings, layer.values, "volume");
+      const auto volume = read_volume(scene.document.resolved(settings.file), progress);
+      out.result.made = place_volume(*volume, settings, o, scene.settings.amplitude);
     } else {
       landforms::Site site;
       site.origin = o;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tafoni/io/format.h"
 #include "tafoni/scene/build.h"
 #include "tafoni/scene/impl/digest.h"
 #include "tafoni/scene/impl/recent.h"
@@ -47,6 +48,8 @@ class Builder {
   void make_geology(Stage& stage);
   void run_layers(Stage& stage, Progress& progress);
   BuiltLayer run_layer(Stage& stage, std::size_t index, Progress& progress);
+  raster::Raster read_terrain(const Document& document, Progress& progress);
+  std::shared_ptr<const io::Volume> read_volume(const std::filesystem::path& file, Progress& progress);
   BuiltLayer sculpt(Stage& stage, const Layer& layer, std::uint64_t seed);
   std::shared_ptr<const landforms::Region> region_of(Stage& stage, const Layer& layer, Digest& digest);
 
@@ -55,6 +58,7 @@ class Builder {
     field::NodePtr open, domain;
   };
   FileDigests files_;
+  Recent<Digest, std::shared_ptr<const io::Volume>> volumes_{2};
   Recent<Digest, std::shared_ptr<const raster::Raster>> rasters_{3};
   Recent<Digest, MadeTerrain> terrains_{3};
   Recent<Digest, geology::GeologyPtr> geologies_{8};

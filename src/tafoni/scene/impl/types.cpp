@@ -7,6 +7,7 @@
 #include "tafoni/landforms/landform.h"
 #include "tafoni/scene/document.h"
 #include "tafoni/scene/impl/primitives_layer.h"
+#include "tafoni/scene/impl/volume_layer.h"
 #include "tafoni/terrain/generator.h"
 
 namespace tafoni::scene {
@@ -26,8 +27,10 @@ const std::vector<ParamInfo>& params_of_layer(std::string_view type) {
                    "their caves as they fill open air");
   if (type == primitives_layer) return impl::primitives_params();
   if (type == sculpt_layer) return sculpt;
+  if (type == volume_layer) return impl::volume_params();
 
-  std::vector<std::string> known = {std::string(primitives_layer), std::string(sculpt_layer)};
+  std::vector<std::string> known = {std::string(primitives_layer), std::string(sculpt_layer),
+                                    std::string(volume_layer)};
   for (const landforms::LandformType* landform : landforms::all_landforms()) {
     if (landform->name == type) return landform->params;
     known.push_back(landform->name);
