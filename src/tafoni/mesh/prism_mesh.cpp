@@ -47,9 +47,31 @@ Vec3f area(const Places& places, const PrismFace& f) {
   return cross(places.at(f.column[1], f.level[1]) - a, places.at(f.column[2], f.level[2]) - a);
 }
 
+/// Marks the walls that two cells put back to back where both are solid, each over other slabs: nothing
+/// shows.
+void mark_hidden(const std::vector<PrismFace>& faces, std::vector<std::array<std::int32_t, 4>>& walls,
+                 std::vector<bool>& hidden) {
+  walls.clear();
+  hidden.assign(faces.size(), false);
+  for (std::size_t n = 0; n < faces.size(); ++n) {
+    if (faces[n].surface != PrismSurface::middle) continue;
+    std::array<std::int32_t, 3> level{faces[n].level[0], faces[n].level[1], faces[n].level[2]};
+    std::sort(level.begin(), level.end());  // a level is of one column, so that three of them name a triangle
+    walls.push_back({level[0], level[1], level[2], static_cast<std::int32_t>(n)});
+  }
+  std::sort(walls.begin(), walls.end());
+  for (std::size_t w = 1; w < walls.size(); ++w) {
+    const auto &a = walls[w - 1], &b = walls[w];
+    if (a[0] != b[0] || a[1] != b[1] || a[2] != b[2]) continue;
+    hidden[static_cast<std::size_t>(a[3])] = hidden[static_cast<std::size_t>(b[3])] = true;
+  }
+}
+
 /// What meshing one chunk needs; one a thread.
 struct Workspace {
   PrismFaces faces;
+  std::vector<std::array<std::int32_t, 4>> walls;
+  std::vector<bool> hidden;
   std::vector<Vec3f> normals;
   std::vector<std::int32_t> ids;
 };
@@ -66,7 +88,10 @@ void mesh_chunk(const PrismFields& fields, const ColumnBox& cells, volume::DeadP
   const auto key = [](const PrismFace& f, std::size_t k) {
     return 3 * static_cast<std::size_t>(f.level[k]) + static_cast<std::size_t>(f.surface);
   };
-  for (const PrismFace& f : faces) {
+  mark_hidden(faces, work.walls, work.hidden);
+  for (std::size_t at = 0; at < faces.size(); ++at) {
+    if (work.hidden[at]) continue;
+    const PrismFace& f = faces[at];
     const Vec3f n = area(places, f);
     for (std::size_t k = 0; k < 3; ++k) work.normals[key(f, k)] += n;
     if (!f.own) continue;
