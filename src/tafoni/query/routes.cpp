@@ -10,8 +10,8 @@
 namespace tafoni::query {
 namespace {
 
-/// How near to a column, in spacings, a place must lie.
-constexpr double near_column = 0.1;
+/// Metres. A walker this near to a place has come to it.
+constexpr double close = 0.02;
 
 double level_distance(Vec3d a, Vec3d b) {
   return std::hypot(a.x - b.x, a.y - b.y);
@@ -21,46 +21,61 @@ std::uint64_t column_key(std::int64_t i, std::int64_t j) {
   return hash_combine(static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j));
 }
 
+int moves_for(double metres, double move) {
+  return std::max(1, static_cast<int>(std::ceil(metres / move - 1e-9)));
+}
+
+/// One of `moves` moves that are left to level (to.x, to.y).
+void advance(const Collider& ground, Walker& walker, Vec3d to, int moves, double seconds) {
+  walker.move(ground, (to - walker.feet()) * (1 / (seconds * std::max(1, moves))), seconds);
+}
+
+/// Walks to level (to.x, to.y); false when it strays or loses its footing.
+bool walk_to(const Collider& ground, Walker& walker, Vec3d to, double move) {
+  for (int m = moves_for(level_distance(walker.feet(), to), move); m > 0 && walker.grounded(); --m)
+    advance(ground, walker, to, m, 1);
+  return walker.grounded() && level_distance(walker.feet(), to) < close;
+}
+
 }  // namespace
 
 Routes::Routes(const Collider& ground, const WalkerSettings& settings, Vec3d start,
-               const RouteSettings& route) {
-  if (!(route.spacing > 0)) fail(ErrorKind::usage, "places need a spacing above 0 m");
+               const RouteSettings& route)
+    : settings_(route), step_(settings.step) {
+  if (!(route.spacing > 0) || !(route.move > 0))
+    fail(ErrorKind::usage, "places need a spacing and moves above 0 m");
   const double d = route.spacing;
-  const Walker walker(settings);
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> columns;
   struct Column {
     std::int64_t i, j;
   };
   std::vector<Column> at;
-  const auto center = [&](Column c, double z) {
-    return Vec3d{static_cast<double>(c.i) * d, static_cast<double>(c.j) * d, z};
+  const auto center = [&](Column c) {
+    return Vec3d{static_cast<double>(c.i) * d, static_cast<double>(c.j) * d, 0};
   };
   const auto add = [&](Column c, Vec3d feet) {
     auto& here = columns[column_key(c.i, c.j)];
     for (std::uint32_t p : here)
-      if (std::abs(places_[p].z - feet.z) < settings.step / 2) return p;
+      if (std::abs(places_[p].z - feet.z) < close) return p;
     here.push_back(static_cast<std::uint32_t>(places_.size()));
     places_.push_back(feet);
-    strides_.emplace_back();
+    next_.emplace_back();
     at.push_back(c);
     return here.back();
   };
   const Column first{std::llround(start.x / d), std::llround(start.y / d)};
-  if (ground.overlaps(walker.capsule_at(start))) return;
-  const auto put = walker.stride(ground, start, center(first, start.z));
-  if (!put.found) return;
-  add(first, put.feet);
+  Walker walker(settings, start);
+  if (!walker.settle(ground) || !walk_to(ground, walker, center(first), route.move)) return;
+  add(first, walker.feet());
   for (std::size_t p = 0; p < places_.size() && places_.size() < route.places; ++p)
     for (int dj = -1; dj <= 1; ++dj)
       for (int di = -1; di <= 1; ++di) {
         if (di == 0 && dj == 0) continue;
         const Column c{at[p].i + di, at[p].j + dj};
-        const Vec3d to = center(c, places_[p].z);
-        const auto reached = walker.stride(ground, places_[p], to);
-        if (!reached.found || level_distance(reached.feet, to) > near_column * d) continue;
-        const std::uint32_t next = add(c, reached.feet);
-        strides_[p].push_back(next);
+        walker = Walker(settings, places_[p]);
+        if (!walker.settle(ground) || !walk_to(ground, walker, center(c), route.move)) continue;
+        const std::uint32_t reached = add(c, walker.feet());
+        next_[p].push_back(reached);
       }
 }
 
@@ -70,13 +85,23 @@ std::vector<Vec3d> Routes::way(std::size_t from, std::size_t to) const {
   std::vector<std::uint32_t> before(places_.size(), none), queue{static_cast<std::uint32_t>(from)};
   before[from] = static_cast<std::uint32_t>(from);
   for (std::size_t q = 0; q < queue.size() && before[to] == none; ++q)
-    for (std::uint32_t next : strides_[queue[q]])
+    for (std::uint32_t next : next_[queue[q]])
       if (before[next] == none) before[next] = queue[q], queue.push_back(next);
   if (before[to] == none) return {};
   std::vector<Vec3d> result{places_[to]};
   for (auto p = static_cast<std::uint32_t>(to); p != from; result.push_back(places_[p])) p = before[p];
   std::reverse(result.begin(), result.end());
   return result;
+}
+
+std::size_t Routes::nearest(Vec3d feet) const {
+  std::size_t best = places_.size();
+  double least = settings_.spacing;
+  for (std::size_t p = 0; p < places_.size(); ++p) {
+    const double d = level_distance(places_[p], feet);
+    if (d < least && std::abs(places_[p].z - feet.z) <= step_) least = d, best = p;
+  }
+  return best;
 }
 
 std::vector<Vec3d> standing_places(const Collider& ground, const WalkerSettings& settings, double x, double y,
@@ -104,20 +129,19 @@ std::vector<Vec3d> standing_places(const Collider& ground, const WalkerSettings&
   return places;
 }
 
-Walked follow(const Collider& ground, Walker& walker, const std::vector<Vec3d>& way, double speed,
-              double step, const std::function<void(const Walker&)>& each) {
-  if (!(speed > 0) || !(step > 0)) fail(ErrorKind::usage, "a walk needs a speed and a time step above 0");
+Walked follow(const Collider& ground, Walker& walker, const std::vector<Vec3d>& way, double move,
+              double seconds, const std::function<void(const Walker&)>& each) {
+  if (!(move > 0) || !(seconds > 0)) fail(ErrorKind::usage, "a walk needs moves above 0 m and 0 s");
   Walked walked;
+  walker.settle(ground);
   for (std::size_t w = 1; w < way.size(); ++w) {
     const double size = level_distance(way[w - 1], way[w]);
-    const double close = near_column * std::max(size, 0.1);
-    const int most = 16 + static_cast<int>(8 * size / (speed * step));
+    const int wanted = moves_for(size, move), most = 3 * wanted + 8;
     int moves = 0;
     for (; moves < most && level_distance(walker.feet(), way[w]) > close; ++moves) {
-      const Vec3d left = way[w] - walker.feet();
-      const double far = std::hypot(left.x, left.y);
-      walker.move(ground, left * (std::min(speed, far / step) / far), step);
-      walked.seconds += step;
+      const int left = moves_for(level_distance(walker.feet(), way[w]), move);
+      advance(ground, walker, way[w], std::max(left, wanted - moves), seconds);
+      walked.seconds += seconds;
       if (each) each(walker);
     }
     walked.moves += moves;
@@ -126,6 +150,21 @@ Walked follow(const Collider& ground, Walker& walker, const std::vector<Vec3d>& 
   }
   walked.arrived = true;
   return walked;
+}
+
+Walked find_way(const Collider& ground, Walker& walker, const Routes& routes, std::size_t from,
+                std::size_t to, double seconds, const std::function<void(const Walker&)>& each, int tries) {
+  Walked sum;
+  for (int t = 0; t < tries && !sum.arrived; ++t) {
+    std::vector<Vec3d> way = routes.way(from, to);
+    if (way.empty()) break;
+    way.insert(way.begin(), walker.feet());
+    const Walked walked = follow(ground, walker, way, routes.settings().move, seconds, each);
+    sum = {walked.arrived, sum.moves + walked.moves, sum.metres + walked.metres,
+           sum.seconds + walked.seconds};
+    from = routes.nearest(walker.feet());
+  }
+  return sum;
 }
 
 }  // namespace tafoni::query

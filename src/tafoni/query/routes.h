@@ -10,25 +10,31 @@ namespace tafoni::query {
 
 struct RouteSettings {
   double spacing = 0.5;       ///< metres between places, along x and y
+  double move = 0.15;         ///< metres that a walker goes at once
   std::size_t places = 4000;  ///< at most so many are looked for
 };
 
-/// The places that a walker reaches from `start` by strides to neighbours on a lattice of columns (multiples
-/// of the spacing), each of which comes within a tenth of the spacing of its column. What is found does not
-/// depend on threads.
+/// The places that a walker reaches from `start`, by walking straight to neighbours on a lattice of columns
+/// (multiples of the spacing) without falling. What is found does not depend on threads.
 class Routes {
  public:
   Routes(const Collider& ground, const WalkerSettings& walker, Vec3d start,
          const RouteSettings& settings = {});
 
+  const RouteSettings& settings() const { return settings_; }
   /// Feet; the first is the start, put on its column. Empty where one cannot stand there.
   const std::vector<Vec3d>& places() const { return places_; }
-  /// Places from one to the other, both included, by the fewest strides; empty where there is no way.
+  /// Places from one to the other, both included, over the fewest places; empty where there is no way.
   std::vector<Vec3d> way(std::size_t from, std::size_t to) const;
+  /// The place nearest to the feet that lies within a spacing of them along x and y and a step in height;
+  /// places().size() where there is none.
+  std::size_t nearest(Vec3d feet) const;
 
  private:
+  RouteSettings settings_;
+  double step_;
   std::vector<Vec3d> places_;
-  std::vector<std::vector<std::uint32_t>> strides_;  ///< to which places one can go
+  std::vector<std::vector<std::uint32_t>> next_;  ///< to which places one can go
 };
 
 /// Every place to stand in a column, from above, where the capsule fits. `above` and `below`: elevations to
@@ -43,9 +49,15 @@ struct Walked {
   double metres = 0;   ///< of the way
   double seconds = 0;  ///< of the walker's time
 };
-/// Drives the walker from place to place, at `speed` metres a second and `step` seconds a move; `each` is
-/// called after every move. Gives up at a place that takes 8 times as long as it should.
-Walked follow(const Collider& ground, Walker& walker, const std::vector<Vec3d>& way, double speed,
-              double step, const std::function<void(const Walker&)>& each = {});
+/// Drives the walker along a way, `seconds` a move of at most `move` metres; `each` is called after
+/// every move. Gives up at a place that takes three times as many moves as it should.
+Walked follow(const Collider& ground, Walker& walker, const std::vector<Vec3d>& way, double move,
+              double seconds, const std::function<void(const Walker&)>& each = {});
+
+/// The same by the shortest way between two places, with a new way from the nearest place where it got off
+/// the last one, at most `tries` times.
+Walked find_way(const Collider& ground, Walker& walker, const Routes& routes, std::size_t from,
+                std::size_t to, double seconds, const std::function<void(const Walker&)>& each = {},
+                int tries = 6);
 
 }  // namespace tafoni::query

@@ -10,6 +10,9 @@ namespace {
 
 constexpr Vec3d up{0, 0, 1};
 
+/// Metres, added to the radius: how far beyond itself a walker looks for footing.
+constexpr double near_beyond = 0.15;
+
 Vec3d level(Vec3d v) {
   return {v.x, v.y, 0};
 }
@@ -56,12 +59,12 @@ double Walker::travel(const Collider& ground, Vec3d feet, Vec3d motion) const {
   return toward > 0 ? std::max(0.0, hit->time * size - settings_.skin / toward) : 0.0;
 }
 
-Walker::Footing Walker::footing(const Collider& ground, Vec3d feet, double depth) const {
+Walker::Footing Walker::let_down(const Collider& ground, Vec3d feet, double depth, bool steep) const {
   const Vec3d down = up * -depth;
   const Capsule shape = capsule_at(feet);
   const auto hit = ground.sweep(shape, down);
   if (!hit || hit->depth > 0) return {};
-  if (walkable(ground, hit->point, hit->normal)) {
+  if (steep || walkable(ground, hit->point, hit->normal)) {
     const double way = std::max(0.0, hit->time * depth - settings_.skin / std::max(hit->normal.z, 0.1));
     return {true, feet - up * way, hit->normal, hit->point};
   }
@@ -73,12 +76,12 @@ Walker::Footing Walker::footing(const Collider& ground, Vec3d feet, double depth
   return {};
 }
 
-Walker::Footing Walker::stride(const Collider& ground, Vec3d feet, Vec3d to) const {
+Walker::Footing Walker::lift_over(const Collider& ground, Vec3d feet, Vec3d to, bool steep) const {
   const double lift = travel(ground, feet, up * settings_.step);
   const Vec3d raised = feet + up * lift;
   const Slide over = ground.slide(capsule_at(raised), level(to - feet), {.skin = settings_.skin, .wall = 2});
   if (over.stuck) return {};
-  const Footing found = footing(ground, raised + over.moved, lift + settings_.step + settings_.skin);
+  const Footing found = let_down(ground, raised + over.moved, lift + settings_.step + settings_.skin, steep);
   // The round end of the capsule would ride up on edges higher than a step.
   return found.found && found.point.z - feet.z > settings_.step + settings_.skin ? Footing{} : found;
 }
@@ -90,9 +93,16 @@ void Walker::stand(const Footing& footing) {
   velocity_ = {};
 }
 
+bool Walker::settle(const Collider& ground) {
+  const Footing found = footing(ground, feet_, settings_.step);
+  if (found.found) stand(found);
+  return found.found;
+}
+
 void Walker::walk(const Collider& ground, Vec3d way) {
   const double wanted = length(way);
-  const auto progress = [&](Vec3d feet) { return wanted > 0 ? dot(feet - feet_, way) / wanted : 0.0; };
+  const Vec3d goal = feet_ + way;
+  const auto off = [&](Vec3d feet) { return length(level(goal - feet)); };
   // Uphill along the ground, so that the ground itself is no obstacle.
   Vec3d along = way;
   if (normal_.z >= floor_) along.z = std::max(0.0, -dot(way, level(normal_)) / normal_.z);
@@ -102,13 +112,22 @@ void Walker::walk(const Collider& ground, Vec3d way) {
     return;
   }
   const Vec3d slid = feet_ + slide.moved;
-  const double drop = settings_.step + settings_.skin + std::max(0.0, slide.moved.z);
-  const Footing plain = footing(ground, slid, drop);
-  if (plain.found && progress(plain.feet) > 0.95 * wanted) return stand(plain);
-  const Footing stepped = stride(ground, feet_, feet_ + way);
-  const double gain = plain.found ? progress(plain.feet) : progress(slid);
-  if (stepped.found && progress(stepped.feet) > gain + 1e-6) return stand(stepped);
-  if (plain.found) return stand(plain);
+  Footing best = footing(ground, slid, settings_.step + settings_.skin + std::max(0.0, slide.moved.z));
+  if (best.found && off(best.feet) <= 0.05 * wanted) return stand(best);
+  double error = best.found ? off(best.feet) : std::max(off(slid), 0.05 * wanted);
+  const auto consider = [&](const Footing& other) {
+    if (other.found && off(other.feet) < error - 1e-6) best = other, error = off(other.feet);
+  };
+  consider(stride(ground, feet_, goal));
+  // What is too steep but no higher than a step is gone over if there is footing beyond it.
+  for (double beyond : {settings_.radius + near_beyond, (settings_.radius + near_beyond) / 2}) {
+    if (error <= 0.05 * wanted || wanted >= beyond) break;
+    const Vec3d there = feet_ + way * (beyond / wanted);
+    const Footing landed = stride(ground, feet_, there);
+    if (landed.found && length(level(there - landed.feet)) < 0.1 * beyond)
+      consider(lift_over(ground, feet_, goal, true));
+  }
+  if (best.found) return stand(best);
   feet_ = slid;
   grounded_ = false;
   normal_ = up;

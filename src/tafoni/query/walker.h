@@ -27,6 +27,9 @@ class Walker {
   /// Walks for `seconds` at `wish` metres a second, of which x and y count; in the air, too.
   void move(const Collider& ground, Vec3d wish, double seconds);
 
+  /// Puts it down on ground that lies no more than a step below; false where there is none.
+  bool settle(const Collider& ground);
+
   Vec3d feet() const { return feet_; }
   Capsule capsule() const { return capsule_at(feet_); }
   /// Of a fall or of sliding down what is too steep, metres a second; 0 on the ground, whatever it wishes.
@@ -44,14 +47,21 @@ class Walker {
     Vec3d feet, normal, point;
   };
   /// The place to stand that it comes to when it is let down by up to `depth` metres.
-  Footing footing(const Collider& ground, Vec3d feet, double depth) const;
+  Footing footing(const Collider& ground, Vec3d feet, double depth) const {
+    return let_down(ground, feet, depth, false);
+  }
   /// Where it comes to stand when it lifts its feet by up to a step, goes to level (to.x, to.y) as far as it
   /// can, and puts them down again, by up to a step lower than they were.
-  Footing stride(const Collider& ground, Vec3d feet, Vec3d to) const;
+  Footing stride(const Collider& ground, Vec3d feet, Vec3d to) const {
+    return lift_over(ground, feet, to, false);
+  }
 
  private:
   bool walkable(const Collider& ground, Vec3d point, Vec3d normal) const;
   double travel(const Collider& ground, Vec3d feet, Vec3d motion) const;
+  /// `steep`: what is too steep to stand on will do.
+  Footing let_down(const Collider& ground, Vec3d feet, double depth, bool steep) const;
+  Footing lift_over(const Collider& ground, Vec3d feet, Vec3d to, bool steep) const;
   void walk(const Collider& ground, Vec3d way);
   void fly(const Collider& ground, Vec3d way, double seconds);
   void stand(const Footing& footing);

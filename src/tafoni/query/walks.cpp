@@ -1,0 +1,112 @@
+#include "tafoni/query/walks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+#include "tafoni/core/random.h"
+
+namespace tafoni::query {
+namespace {
+
+/// What ways are planned for: a walker with a little less of everything, so that the one that walks them has
+/// something in hand when it does not come to every place by the same way.
+WalkerSettings with_margins(WalkerSettings walker) {
+  walker.radius *= 1.1;
+  walker.height += 0.1 * walker.radius;
+  walker.step *= 0.8;
+  walker.slope *= 0.9;
+  return walker;
+}
+
+/// How far the surface comes within the capsule, by the points of its axis.
+double overlap_of(const Collider& ground, const Capsule& shape) {
+  constexpr int points = 7;
+  double worst = 0;
+  for (int i = 0; i < points; ++i) {
+    const Vec3d p = shape.a + (shape.b - shape.a) * (i / double{points - 1});
+    if (const auto near = ground.closest(p, shape.radius))
+      worst = std::max(worst, shape.radius - near->distance);
+  }
+  return ground.solid(shape.a) ? std::max(worst, shape.radius) : worst;
+}
+
+/// Places from which many others can be reached.
+Routes find_start(const Collider& ground, const Box3d& box, const WalkSettings& settings, Random& random) {
+  constexpr int tries = 20000;
+  const WalkerSettings planned = with_margins(settings.walker);
+  const std::size_t enough = std::min<std::size_t>(60, settings.routes.places);
+  for (int i = 0; i < tries; ++i) {
+    const double x = random.uniform(box.lo.x, box.hi.x), y = random.uniform(box.lo.y, box.hi.y);
+    const std::vector<Vec3d> places =
+        standing_places(ground, planned, x, y, box.hi.z, box.lo.z, settings.roofed);
+    if (places.empty()) continue;
+    Routes routes(ground, planned, places[random.below(places.size())], settings.routes);
+    if (routes.places().size() >= enough) return routes;
+  }
+  fail(ErrorKind::input,
+       "no place {}was found from which a walker can reach others: give another box or a smaller walker",
+       settings.roofed ? "under rock " : "");
+}
+
+double length_of(const std::vector<Vec3d>& way) {
+  double sum = 0;
+  for (std::size_t i = 1; i < way.size(); ++i) sum += length(way[i] - way[i - 1]);
+  return sum;
+}
+
+}  // namespace
+
+std::vector<Vec3d> surface_points(const Capsule& shape, double inset) {
+  const double r = shape.radius - inset;
+  std::vector<Vec3d> points;
+  constexpr int rings = 5, spokes = 6;
+  for (int k = 0; k < rings; ++k)
+    for (int i = 0; i < spokes; ++i) {
+      const double turn = 2 * std::numbers::pi * (i + 0.5 * (k & 1)) / spokes;
+      const Vec3d level{r * std::cos(turn), r * std::sin(turn), 0};
+      points.push_back(shape.a + (shape.b - shape.a) * (k / double{rings - 1}) + level);
+      if (k == 0) points.push_back(shape.a + (level - Vec3d{0, 0, r}) * std::sqrt(0.5));
+      if (k == rings - 1) points.push_back(shape.b + (level + Vec3d{0, 0, r}) * std::sqrt(0.5));
+    }
+  points.push_back(shape.a - Vec3d{0, 0, r});
+  points.push_back(shape.b + Vec3d{0, 0, r});
+  return points;
+}
+
+std::vector<Walk> random_walks(const Collider& ground, const Box3d& box, const WalkSettings& settings,
+                               const std::function<double(const Capsule&)>& check, Progress& progress) {
+  if (settings.count < 1 || settings.around < 1) fail(ErrorKind::usage, "give a number of routes above 0");
+  std::vector<Walk> walks(static_cast<std::size_t>(settings.count));
+  const int groups = (settings.count + settings.around - 1) / settings.around;
+  progress.begin("walks", static_cast<std::uint64_t>(groups), "starts");
+  parallel_for(
+      groups,
+      [&](std::int64_t group) {
+        Random random(settings.seed, static_cast<std::uint64_t>(group));
+        const auto first = static_cast<std::size_t>(group) * static_cast<std::size_t>(settings.around);
+        const std::size_t last = std::min(walks.size(), first + static_cast<std::size_t>(settings.around));
+        const Routes routes = find_start(ground, box, settings, random);
+        for (std::size_t w = first; w < last; ++w) {
+          std::size_t from = 0, to = 0;
+          for (int tries = 0; tries < 200 && length_of(routes.way(from, to)) < settings.least; ++tries) {
+            from = random.below(routes.places().size());
+            to = random.below(routes.places().size());
+          }
+          Walk& walk = walks[w];
+          walk.from = routes.places()[from], walk.to = routes.places()[to];
+          Walker walker(settings.walker, walk.from);
+          walk.walked = find_way(ground, walker, routes, from, to, settings.seconds, [&](const Walker& now) {
+            progress.check();
+            walk.overlap = std::max(walk.overlap, overlap_of(ground, now.capsule()));
+            if (check) walk.overlap = std::max(walk.overlap, check(now.capsule()));
+          });
+        }
+      },
+      progress);
+  progress.end();
+  return walks;
+}
+
+}  // namespace tafoni::query
