@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
+#include <optional>
+#include <vector>
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/mesh/palette.h"
@@ -54,10 +57,43 @@ mesh::PolygonizeSettings polygonize_settings(const BuiltScene& scene, const fiel
   return settings;
 }
 
+namespace {
+
+/// Marks treads that have rock overhead, which the heights of a terrain that became a volume do not tell.
+class Roofs {
+ public:
+  explicit Roofs(const BuiltScene& scene) {
+    const auto reshapes = [](const LayerResult& layer) { return static_cast<bool>(layer.made.reshape); };
+    if (std::any_of(scene.layers.begin(), scene.layers.end(), reshapes)) field_ = field::compile(scene.open);
+  }
+
+  void mark(std::vector<mesh::SurfacePoint>& points, const std::vector<Vec3d>& local) const {
+    if (!field_) return;
+    constexpr double above[] = {1.5, 3, 5, 8, 13, 21};  // metres
+    std::vector<Vec3d> asked;
+    std::vector<std::size_t> whose;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (points[i].roofed || points[i].normal.z < 0.5f) continue;
+      whose.push_back(i);
+      for (const double up : above) asked.push_back(local[i] + Vec3d{0, 0, up});
+    }
+    std::vector<float> values(asked.size());
+    field_->values(asked, values);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (values[i] > 0) points[whose[i / std::size(above)]].roofed = true;
+  }
+
+ private:
+  std::optional<field::CompiledField> field_;
+};
+
+}  // namespace
+
 void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress) {
   const auto sea = sea_level(scene.document);
   const Vec3d origin = scene.terrain.origin;
   const raster::Raster& heights = *scene.terrain.heights;
+  const Roofs roofs(scene);
   mesh.colors.resize(mesh.positions.size());
   constexpr std::int64_t grain = 4096;
   const auto count = static_cast<std::int64_t>(mesh.positions.size());
@@ -70,9 +106,10 @@ void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress) {
                  for (std::size_t i = begin; i < end; ++i) local.push_back(to_double(mesh.positions[i]));
                  std::vector<float> resistance(local.size());
                  scene.geology->resistances(local, resistance);
+                 std::vector<mesh::SurfacePoint> points(local.size());
                  for (std::size_t i = begin; i < end; ++i) {
                    const Vec3d at = local[i - begin];
-                   mesh::SurfacePoint point;
+                   mesh::SurfacePoint& point = points[i - begin];
                    point.position = at + origin;
                    point.spacing = static_cast<float>(scene.voxel);
                    if (!mesh.normals.empty()) point.normal = mesh.normals[i];
@@ -81,8 +118,10 @@ void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress) {
                    if (sea) point.height_above_sea = static_cast<float>(point.position.z - *sea);
                    const double cover = raster::sample_bilinear(heights, at.x, at.y) - at.z;
                    point.roofed = point.normal.z < 0 || cover > std::max(1.0, scene.voxel);
-                   mesh.colors[i] = mesh::to_rgba8(mesh::rock_palette(point));
                  }
+                 roofs.mark(points, local);
+                 for (std::size_t i = begin; i < end; ++i)
+                   mesh.colors[i] = mesh::to_rgba8(mesh::rock_palette(points[i - begin]));
                },
                progress);
   progress.end();

@@ -27,6 +27,76 @@ class HollowShape final : public RockShape {
   ScalarGrid grid_;
 };
 
+/// An opening whose rims are worn round: where it comes near to the tree's own surface it is a little larger,
+/// by a smooth minimum of both.
+class WornRims final : public field::Function {
+ public:
+  WornRims(field::FunctionPtr opening, field::FunctionPtr tree, double radius)
+      : opening_(std::move(opening)), tree_(std::move(tree)), radius_(static_cast<float>(radius)) {}
+
+  void values(std::span<const Vec3d> points, std::span<float> out) const override {
+    opening_->values(points, out);
+    const Near near = near_of(points, out);
+    for (std::size_t i = 0; i < near.which.size(); ++i) {
+      float& v = out[near.which[i]];
+      const Meeting m = meeting(near.solid[i], v);
+      if (m.h > 0) v = std::max(v, -std::min(near.solid[i], -v) + 0.25f * m.h * m.h / m.k);
+    }
+  }
+
+  /// Of both surfaces, weighed as they are in the minimum: the values jump where the tree's surface takes
+  /// over, although what is left of the tree does not.
+  void gradients(std::span<const Vec3d> points, std::span<Vec3f> out) const override {
+    std::vector<float> opening(points.size());
+    opening_->values(points, opening);
+    opening_->gradients(points, out);
+    const Near near = near_of(points, opening);
+    std::vector<Vec3f> slopes(near.points.size());
+    tree_->gradients(near.points, slopes);
+    for (std::size_t i = 0; i < near.which.size(); ++i) {
+      const float v = opening[near.which[i]], a = near.solid[i];
+      const Meeting m = meeting(a, v);
+      if (m.h <= 0) continue;
+      const float share = 0.5f * m.h / m.k, tree = a < -v ? 1 - share : share;
+      Vec3f& g = out[near.which[i]];
+      g = g * (1 - tree) - slopes[i] * tree;
+    }
+  }
+  double step() const override { return opening_->step(); }
+  Interval range(const Box3d& box) const override {
+    const Interval r = opening_->range(box);
+    if (r.hi <= -2 * radius_ || r.lo >= 2 * radius_) return r;
+    return {r.lo, std::max(r.hi, std::min(r.hi, 2 * radius_) + 2.25f * radius_)};
+  }
+
+ private:
+  struct Near {
+    std::vector<Vec3d> points;
+    std::vector<std::size_t> which;
+    std::vector<float> solid;  ///< the tree's values
+  };
+  Near near_of(std::span<const Vec3d> points, std::span<const float> opening) const {
+    Near near;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (std::abs(opening[i]) < 2 * radius_) near.points.push_back(points[i]), near.which.push_back(i);
+    near.solid.resize(near.points.size());
+    tree_->values(near.points, near.solid);
+    return near;
+  }
+
+  struct Meeting {
+    float k, h;  ///< over how much they meet, and how closely they do
+  };
+  /// Nothing beyond twice the radius from the wall.
+  Meeting meeting(float solid, float opening) const {
+    const float k = radius_ * (1 - std::abs(opening) / (2 * radius_));
+    return {k, std::max(k - std::abs(solid + opening), 0.0f)};
+  }
+
+  field::FunctionPtr opening_, tree_;
+  float radius_;
+};
+
 /// T inside the region, -T outside of it, without a jump.
 class Fence final : public field::Function {
  public:
@@ -138,13 +208,17 @@ Result Hollow::finish(Progress& progress) const {
     volume::carve(grid, chamber);
   }
   result.report.emplace_back("volume_m3", carved_volume(grid, site.terrain));
-  field::NodePtr cut = field::function(std::make_shared<HollowShape>(std::move(grid), texture_));
-  if (const auto control = control_of(site, 2 * spacing_))
-    cut = field::combine("intersection",
-                         {std::move(cut), field::function(std::make_shared<Fence>(control, site.amplitude))});
+  const auto shape = std::make_shared<HollowShape>(std::move(grid), texture_);
+  const auto control = control_of(site, 2 * spacing_);
   result.reshaped = box;
-  result.reshape = [cut](field::NodePtr tree) {
-    return field::combine("difference", {std::move(tree), cut});
+  result.reshape = [shape, control, worn = 2 * spacing_, t = site.amplitude](field::NodePtr tree) {
+    const auto limit = static_cast<float>(t);
+    field::NodePtr cut = field::function(
+        std::make_shared<WornRims>(shape, field::as_function(tree, -limit, limit), std::min(worn, 0.3 * t)));
+    if (control)
+      cut = field::combine("intersection",
+                           {std::move(cut), field::function(std::make_shared<Fence>(control, t))});
+    return field::combine("difference", {std::move(tree), std::move(cut)});
   };
   return result;
 }
