@@ -1,4 +1,4 @@
-"""What the README shows is what the project has: its C++ is examples/readme.cpp, its files and pages exist."""
+"""What the README shows is what the project has: its C++ is from examples/, its files and pages exist."""
 
 import os
 import re
@@ -12,6 +12,10 @@ readme = (root / "README.md").read_text(encoding="utf-8")
 blocks = re.findall(r"```cpp\n(.*?)```", readme, re.S)
 if not blocks or blocks[0] != (root / "examples/readme.cpp").read_text(encoding="utf-8"):
     problems.append("README.md: its first C++ block is not examples/readme.cpp, letter for letter")
+programs = [path.read_text(encoding="utf-8") for path in (root / "examples").glob("*.cpp")]
+for block in blocks[1:]:
+    if not any(block in program for program in programs):
+        problems.append(f"README.md: no program of examples/ has the lines {block[:60]!r}…")
 
 for page in [root / "README.md", root / "CONTRIBUTING.md", root / "THIRD_PARTY.md", *sorted((root / "docs").glob("*.md"))]:
     text = page.read_text(encoding="utf-8")
