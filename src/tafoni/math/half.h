@@ -33,4 +33,8 @@ inline float from_half(std::uint16_t half) {
   return std::bit_cast<float>(sign | ((magnitude << 13) + bias));
 }
 
+/// Many at once, the same bits.
+void to_half(const float* from, std::size_t n, std::uint16_t* out);
+void from_half(const std::uint16_t* from, std::size_t n, float* out);
+
 }  // namespace tafoni

@@ -25,7 +25,7 @@ struct Span {
   std::int64_t cubes() const { return last - first; }
 };
 
-constexpr std::int64_t block = 16;  // cubes a side that are judged at once
+constexpr std::int64_t block = 8;  // cubes a side that are judged at once
 
 /// Cubes of one block all of whose corners are positive.
 std::uint64_t count_block(const field::CompiledField& field, const Vec3d& low, const std::int64_t (&n)[3],

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "tafoni/core/error.h"
 #include "tafoni/volume/impl/tool_shape.h"
@@ -16,16 +18,50 @@ void check(double amplitude, double radius, Vec3d center) {
     fail(ErrorKind::usage, "a radial edit needs a finite centre and a radius above 0, not {}", radius);
 }
 
-/// change(position, value) at every sample of the box gives its new value.
-template <class F>
-SampleBox edit_samples(ScalarGrid& grid, const Box3d& box, const F& change) {
+/// A ball outside of which an edit changes nothing.
+struct Ball {
+  Vec3d center;
+  double radius;
+
+  /// The samples of a row that may lie in it, as [first, second).
+  std::pair<int, int> within(Vec3d start, double spacing, int n) const {
+    const double y = start.y - center.y, z = start.z - center.z, left = radius * radius - y * y - z * z;
+    if (!(left >= 0)) return {0, 0};
+    const double half = std::sqrt(left) / spacing, middle = (center.x - start.x) / spacing;
+    const auto limited = [n](double v) {
+      return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(n)));
+    };
+    return {limited(middle - half - 1), limited(middle + half + 2)};
+  }
+};
+constexpr Ball everywhere{{}, std::numeric_limits<double>::infinity()};
+
+constexpr int most = ScalarGrid::chunk_samples;  ///< samples in a run
+
+/// Gives samples of the box and the ball the values change(about(position), value). Two plain loops are what
+/// compilers make vectors of.
+template <class F, class G>
+SampleBox edit_samples(ScalarGrid& grid, const Box3d& box, const Ball& ball, const F& about,
+                       const G& change) {
   const GridFrame frame = grid.frame();
   return grid.edit(grid.samples_in(box), [&](Vec3i first, std::span<float> row) {
     const Vec3d start = frame.position(first);
-    for (std::size_t i = 0; i < row.size(); ++i)
-      row[i] = change(
-          Vec3d{frame.origin.x + frame.spacing * (first.x + static_cast<int>(i)), start.y, start.z}, row[i]);
+    const auto [begin, end] = ball.within(start, frame.spacing, static_cast<int>(row.size()));
+    const int from = first.x + begin, n = end - begin;
+    double found[most];
+    for (int i = 0; i < n; ++i)
+      found[i] = about(Vec3d{frame.origin.x + frame.spacing * (from + i), start.y, start.z});
+    float* values = row.data() + begin;
+    for (int i = 0; i < n; ++i) values[i] = change(found[i], values[i]);
   });
+}
+
+template <class Solid>
+Ball reach(const Solid&, double) {
+  return everywhere;
+}
+Ball reach(const impl::Sphere& sphere, double amplitude) {
+  return {sphere.center, sphere.radius + amplitude};
 }
 
 template <class Solid>
@@ -43,15 +79,19 @@ double distance(const impl::Hull& hull, const Box3d& bounds, Vec3d p) {
 
 template <class Change>
 SampleBox add_falloff(ScalarGrid& grid, Vec3d center, double radius, double amplitude, const Change& change) {
-  const float most = static_cast<float>(amplitude);
+  const float limit = static_cast<float>(amplitude);
   const double scale = 1 / (radius * radius);
-  return edit_samples(grid, Box3d{center, center}.grown(radius), [&](Vec3d p, float v) {
-    const Vec3d d = p - center;
-    const double squared = dot(d, d) * scale;
-    if (!(squared < 1)) return v;
-    const auto now = static_cast<float>(v + change(squared));
-    return std::min(std::max(now, std::min(v, -most)), std::max(v, most));
-  });
+  return edit_samples(
+      grid, Box3d{center, center}.grown(radius), {center, radius},
+      [&](Vec3d p) {
+        const Vec3d d = p - center;
+        return dot(d, d) * scale;
+      },
+      [&](double squared, float v) {
+        if (!(squared < 1)) return v;
+        const auto now = static_cast<float>(v + change(squared));
+        return std::min(std::max(now, std::min(v, -limit)), std::max(v, limit));
+      });
 }
 
 }  // namespace
@@ -61,14 +101,13 @@ SampleBox apply(ScalarGrid& grid, const Tool& tool, Edit edit, double amplitude)
   const Box3d bounds = tool.bounds(), box = bounds.grown(amplitude);
   return std::visit(
       [&](const auto& solid) {
+        const Ball ball = reach(solid, amplitude);
         const auto limited = [&](Vec3d p) { return std::min(distance(solid, bounds, p), amplitude); };
         if (edit == Edit::add)
-          return edit_samples(grid, box, [&](Vec3d p, float v) {
-            const double d = limited(p);
+          return edit_samples(grid, box, ball, limited, [&](double d, float v) {
             return d > -amplitude ? std::max(v, static_cast<float>(d)) : v;
           });
-        return edit_samples(grid, box, [&](Vec3d p, float v) {
-          const double d = limited(p);
+        return edit_samples(grid, box, ball, limited, [&](double d, float v) {
           return d > -amplitude ? std::min(v, static_cast<float>(-d)) : v;
         });
       },

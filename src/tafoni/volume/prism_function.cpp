@@ -145,25 +145,27 @@ class PrismFunction final : public field::Function {
     const double beyond = std::hypot(gx - x, gy - y);
     double f = upright(cell(i, j), x / frame_.dx - i, y / frame_.dy - j, z);
     if (near_walls_[static_cast<std::size_t>(cell(i, j))]) {
-      const double d = wall_distance(i, j, gx, gy, z);
-      f = f > 0 && beyond == 0 ? std::min(f, d) : beyond > 0 ? -d : -std::min(-f, d);
+      if (beyond > 0)
+        f = -wall_distance(i, j, gx, gy, z, reach_);
+      else
+        f = f > 0 ? wall_distance(i, j, gx, gy, z, f) : -wall_distance(i, j, gx, gy, z, -f);
     }
     if (beyond > 0) f = std::min(f, -beyond);
     return std::clamp(f, -reach_, reach_);
   }
 
-  double wall_distance(int i, int j, double x, double y, double z) const {
-    double least = reach_;
+  /// To the nearest of the walls around the cell, if that is less than `least`, else `least`.
+  double wall_distance(int i, int j, double x, double y, double z, double least) const {
     for (int b = std::max(0, j - 1); b <= std::min(j + 1, cells_y_ - 1); ++b)
       for (int a = std::max(0, i - 1); a <= std::min(i + 1, cells_x_ - 1); ++a) {
         const std::size_t c = static_cast<std::size_t>(cell(a, b));
         for (std::int32_t w = wall_starts_[c]; w < wall_starts_[c + 1]; ++w)
-          least = std::min(least, distance(walls_[static_cast<std::size_t>(w)], x, y, z));
+          least = distance(walls_[static_cast<std::size_t>(w)], x, y, z, least);
       }
     return least;
   }
 
-  double distance(const Wall& wall, double x, double y, double z) const {
+  double distance(const Wall& wall, double x, double y, double z, double least) const {
     const double ex = wall.to.x - wall.from.x, ey = wall.to.y - wall.from.y;
     const double t =
         std::clamp(((x - wall.from.x) * ex + (y - wall.from.y) * ey) / (ex * ex + ey * ey), 0.0, 1.0);
@@ -172,14 +174,16 @@ class PrismFunction final : public field::Function {
       return static_cast<double>(v[0]) + t * (static_cast<double>(v[1]) - static_cast<double>(v[0]));
     };
     const double bottom = between(wall.bottom), top = between(wall.top);
-    if (!(bottom < top)) return reach_;
+    if (!(bottom < top)) return least;
     const double at = std::clamp(z, bottom, top);
+    const double d = std::sqrt((x - qx) * (x - qx) + (y - qy) * (y - qy) + (z - at) * (z - at));
+    if (!(d < least)) return least;
     // Matter on both sides: cells that divide a column's matter unlike are one body all the same.
     if (wall.beyond >= 0) {
       const double u = qx / frame_.dx - wall.beyond % cells_x_, v = qy / frame_.dy - wall.beyond / cells_x_;
-      if (upright(wall.beyond, std::clamp(u, 0.0, 1.0), std::clamp(v, 0.0, 1.0), at) > 1e-4) return reach_;
+      if (upright(wall.beyond, std::clamp(u, 0.0, 1.0), std::clamp(v, 0.0, 1.0), at) > 1e-4) return least;
     }
-    return std::sqrt((x - qx) * (x - qx) + (y - qy) * (y - qy) + (z - at) * (z - at));
+    return d;
   }
 
   Interval range(std::int32_t at, double lo, double hi) const;
@@ -271,6 +275,8 @@ Interval PrismFunction::range(const Box3d& box) const {
   const auto index = [](double v, double d, int cells) {
     return static_cast<int>(std::clamp(std::floor(v / d), 0.0, static_cast<double>(cells - 1)));
   };
+  const double off = std::max({-x1, -y1, x0 - cells_x_ * frame_.dx, y0 - cells_y_ * frame_.dy});
+  if (off > 0) return {all.lo, static_cast<float>(-std::min(off, reach_) * (1 - 1e-6))};
   const bool beyond = x0 < 0 || y0 < 0 || x1 > cells_x_ * frame_.dx || y1 > cells_y_ * frame_.dy;
   const int i0 = index(x0, frame_.dx, cells_x_), i1 = index(x1, frame_.dx, cells_x_);
   const int j0 = index(y0, frame_.dy, cells_y_), j1 = index(y1, frame_.dy, cells_y_);

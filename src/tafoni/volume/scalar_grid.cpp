@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -55,21 +56,27 @@ void expand(Interval& range, Interval by) {
   range = {std::min(range.lo, by.lo), std::max(range.hi, by.hi)};
 }
 
+std::uint32_t bits(float v) {
+  return std::bit_cast<std::uint32_t>(v);
+}
+
 /// n samples of a slot from `index` on.
-void read_row(const Slot& slot, int index, int n, float* out) {
+inline void read_row(const Slot& slot, int index, int n, float* out) {
   const GridChunk* chunk = slot.chunk.get();
   if (!chunk)
     std::fill_n(out, n, slot.value);
   else if (chunk->single)
     std::memcpy(out, chunk->single.get() + index, static_cast<std::size_t>(n) * sizeof(float));
   else
-    for (int i = 0; i < n; ++i) out[i] = from_half(chunk->half[index + i]);
+    from_half(chunk->half.get() + index, static_cast<std::size_t>(n), out);
 }
 
 /// What a row looks like once it is stored.
 void round_row(Precision precision, std::span<float> row) {
-  if (precision == Precision::half)
-    for (float& v : row) v = from_half(to_half(v));
+  if (precision == Precision::single) return;
+  std::uint16_t halves[side];
+  to_half(row.data(), row.size(), halves);
+  from_half(halves, row.size(), row.data());
 }
 
 /// Writes the rows of one chunk that differ, owns the chunk from the first of them on, and leaves the ranges
@@ -88,35 +95,35 @@ class ChunkEditor {
   template <class F>
   SampleBox rows(const SampleBox& part, const F& change) {
     SampleBox changed;
-    const int n = part.size().x;
-    float old[side], now[side];
+    const int from = part.lo.x - whole_.lo.x, n = part.size().x;
+    // Whole rows, since copies of known size are quicker.
+    alignas(64) float old[side], now[side];
     for (int z = part.lo.z; z <= part.hi.z; ++z)
       for (int y = part.lo.y; y <= part.hi.y; ++y) {
-        const Vec3i first{part.lo.x, y, z};
-        const int at = GridChunk::index(first.x - whole_.lo.x, y - whole_.lo.y, z - whole_.lo.z);
-        read_row(slot_, at, n, old);
-        std::copy_n(old, n, now);
-        change(first, std::span<float>(now, static_cast<std::size_t>(n)));
-        round_row(precision_, {now, static_cast<std::size_t>(n)});
-        if (std::memcmp(old, now, static_cast<std::size_t>(n) * sizeof(float)) == 0) continue;
-        int a = 0, b = n - 1;
-        while (same(old[a], now[a])) ++a;
-        while (same(old[b], now[b])) --b;
+        const int at = GridChunk::index(0, y - whole_.lo.y, z - whole_.lo.z);
+        read_row(slot_, at, side, old);
+        std::memcpy(now, old, sizeof now);
+        change(Vec3i{part.lo.x, y, z}, std::span<float>(now + from, static_cast<std::size_t>(n)));
+        round_row(precision_, {now + from, static_cast<std::size_t>(n)});
+        std::uint32_t differs = 0;
+        for (int i = 0; i < side; ++i) differs |= bits(old[i]) ^ bits(now[i]);
+        if (!differs) continue;
+        int a = from, b = from + n - 1;
+        while (bits(old[a]) == bits(now[a])) ++a;
+        while (bits(old[b]) == bits(now[b])) --b;
         store(at + a, now + a, b - a + 1);
-        expand(changed, {{first.x + a, y, z}, {first.x + b, y, z}});
+        expand(changed, {{whole_.lo.x + a, y, z}, {whole_.lo.x + b, y, z}});
       }
     return changed;
   }
 
  private:
-  static bool same(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
-
   void store(int at, const float* row, int n) {
     GridChunk& chunk = impl::own(slot_, precision_);
     if (chunk.single)
       std::copy_n(row, n, chunk.single.get() + at);
     else
-      for (int i = 0; i < n; ++i) chunk.half[at + i] = to_half(row[i]);
+      to_half(row, static_cast<std::size_t>(n), chunk.half.get() + at);
     const int x = at % side, y = at / side % side, z = at / (side * side);
     const int block = ((z / impl::block_side) * impl::blocks_side + y / impl::block_side) * impl::blocks_side;
     for (int b = x / impl::block_side; b <= (x + n - 1) / impl::block_side; ++b)
@@ -312,21 +319,35 @@ void ScalarGrid::read(const SampleBox& box, float* out) const {
   if (box.empty()) return;
   const State& state = *state_;
   const Vec3i n = state.frame.size;
-  // The part of a row beyond the frame's ends, then the part within.
+  const std::ptrdiff_t row = box.size().x, plane = row * box.size().y;
+  const auto clamped = [](int v, int samples) { return std::clamp(v, 0, samples - 1); };
+  // Chunk by chunk what lies within the frame along x.
+  for (int x = std::max(box.lo.x, 0); x <= std::min(box.hi.x, n.x - 1); x = (x | (side - 1)) + 1) {
+    const int count = std::min({box.hi.x, n.x - 1, x | (side - 1)}) - x + 1;
+    for (int z = box.lo.z; z <= box.hi.z; ++z)
+      for (int y = box.lo.y; y <= box.hi.y;) {
+        const Vec3i first{x, clamped(y, n.y), clamped(z, n.z)};
+        const Slot& slot = state.slot_of(first);
+        float* to = out + (z - box.lo.z) * plane + (y - box.lo.y) * row + (x - box.lo.x);
+        // Beyond the frame rows repeat.
+        const int last = y < 0 || y >= n.y ? y : std::min({box.hi.y, n.y - 1, y | (side - 1)});
+        for (int index = GridChunk::index(x & (side - 1), first.y & (side - 1), first.z & (side - 1));
+             y <= last; ++y, to += row, index += side) {
+          if (count == side)
+            read_row(slot, index, side, to);
+          else
+            read_row(slot, index, count, to);
+        }
+      }
+  }
   const int left = std::clamp(-box.lo.x, 0, box.size().x),
             right = std::clamp(box.hi.x - n.x + 1, 0, box.size().x);
+  if (!left && !right) return;
   for (int z = box.lo.z; z <= box.hi.z; ++z)
-    for (int y = box.lo.y; y <= box.hi.y; ++y, out += box.size().x) {
-      const int in_y = std::clamp(y, 0, n.y - 1), in_z = std::clamp(z, 0, n.z - 1);
+    for (int y = box.lo.y; y <= box.hi.y; ++y, out += row) {
+      const int in_y = clamped(y, n.y), in_z = clamped(z, n.z);
       if (left) std::fill_n(out, left, state.at({0, in_y, in_z}));
-      if (right) std::fill_n(out + box.size().x - right, right, state.at({n.x - 1, in_y, in_z}));
-      for (int x = box.lo.x + left; x <= box.hi.x - right;) {
-        const int count = std::min(box.hi.x - right, x | (side - 1)) - x + 1;
-        read_row(state.slot_of({x, in_y, in_z}),
-                 GridChunk::index(x & (side - 1), in_y & (side - 1), in_z & (side - 1)), count,
-                 out + (x - box.lo.x));
-        x += count;
-      }
+      if (right) std::fill_n(out + row - right, right, state.at({n.x - 1, in_y, in_z}));
     }
 }
 

@@ -28,6 +28,11 @@ inline Box3d centered(Vec3d half) {
   return {-half, half};
 }
 
+/// std::hypot without its care for numbers near the ends of double's range, which costs more than the solids.
+inline double norm(double a, double b) {
+  return std::sqrt(a * a + b * b);
+}
+
 /// Distance to the segment from a to b.
 inline double to_segment(Vec3d p, Vec3d a, Vec3d b) {
   const Vec3d along = b - a;

@@ -7,12 +7,12 @@ struct Cone final : Solid {
   double base = 1, tip = 0, height = 2;
 
   double distance(Vec3d p) const override {
-    const double r = std::hypot(p.x, p.y), half = height / 2;
+    const double r = impl::norm(p.x, p.y), half = height / 2;
     const double off_side = (height * (r - base) + (base - tip) * (p.z + half)) /
-                            std::hypot(height, base - tip);  // positive outside
+                            impl::norm(height, base - tip);  // positive outside
     if (std::abs(p.z) <= half && off_side <= 0) return std::min(half - std::abs(p.z), -off_side);
-    const double to_ends = std::min(std::hypot(std::max(r - base, 0.0), p.z + half),
-                                    std::hypot(std::max(r - tip, 0.0), p.z - half));
+    const double to_ends = std::min(impl::norm(std::max(r - base, 0.0), p.z + half),
+                                    impl::norm(std::max(r - tip, 0.0), p.z - half));
     return -std::min(to_ends, impl::to_segment({r, 0, p.z}, {base, 0, -half}, {tip, 0, half}));
   }
   Box3d bounds() const override {

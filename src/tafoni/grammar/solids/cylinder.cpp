@@ -7,8 +7,8 @@ struct Cylinder final : Solid {
   double radius = 1, height = 2;
 
   double distance(Vec3d p) const override {
-    const double r = std::hypot(p.x, p.y) - radius, z = std::abs(p.z) - height / 2;
-    return -std::hypot(std::max(r, 0.0), std::max(z, 0.0)) - std::min(std::max(r, z), 0.0);
+    const double r = impl::norm(p.x, p.y) - radius, z = std::abs(p.z) - height / 2;
+    return -impl::norm(std::max(r, 0.0), std::max(z, 0.0)) - std::min(std::max(r, z), 0.0);
   }
   Box3d bounds() const override { return impl::centered({radius, radius, height / 2}); }
   std::vector<Bond> bonds() const override { return impl::six_sides({radius, radius, height / 2}); }

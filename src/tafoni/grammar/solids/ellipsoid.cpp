@@ -29,7 +29,8 @@ struct Ellipsoid final : Solid {
       }
       const double further = f / slope;
       t += further;
-      if (std::abs(further) <= 1e-13 * greatest) break;
+      // What is left is the square of it.
+      if (std::abs(further) <= 1e-7 * greatest) break;
     }
     double square = 0;
     for (int i = 0; i < 3; ++i) {

@@ -18,13 +18,13 @@ struct Pyramid final : Solid {
     // It is the same in each quarter.
     const double half = height / 2;
     const Vec3d p{std::abs(at.x), std::abs(at.y), at.z};
-    const double off_x = (height * (p.x - hx) + hx * (p.z + half)) / std::hypot(height, hx),
-                 off_y = (height * (p.y - hy) + hy * (p.z + half)) / std::hypot(height, hy),
+    const double off_x = (height * (p.x - hx) + hx * (p.z + half)) / impl::norm(height, hx),
+                 off_y = (height * (p.y - hy) + hy * (p.z + half)) / impl::norm(height, hy),
                  below = -half - p.z;
     const double off = std::max({off_x, off_y, below});
     if (off <= 0) return -off;
     const Vec3d apex{0, 0, half}, corner{hx, hy, -half};
-    const double to_base = std::hypot(std::hypot(std::max(p.x - hx, 0.0), std::max(p.y - hy, 0.0)), below);
+    const double to_base = impl::norm(impl::norm(std::max(p.x - hx, 0.0), std::max(p.y - hy, 0.0)), below);
     return -std::min({to_base, to_triangle(p, {hx, -hy, -half}, corner, apex),
                       to_triangle(p, corner, {-hx, hy, -half}, apex)});
   }

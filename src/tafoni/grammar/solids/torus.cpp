@@ -6,7 +6,7 @@ namespace {
 struct Torus final : Solid {
   double ring = 1, tube = 0.4;
 
-  double distance(Vec3d p) const override { return tube - std::hypot(std::hypot(p.x, p.y) - ring, p.z); }
+  double distance(Vec3d p) const override { return tube - impl::norm(impl::norm(p.x, p.y) - ring, p.z); }
   Box3d bounds() const override { return impl::centered({ring + tube, ring + tube, tube}); }
   /// Passages enter from outside, from above and below, but not from the hole, where there is no room.
   std::vector<Bond> bonds() const override {

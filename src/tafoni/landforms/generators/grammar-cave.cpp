@@ -179,7 +179,7 @@ class Cave {
     const Vec3d extent = ground.box().size();
     size_ = p.size > 0 ? p.size : std::clamp(std::min(extent.x, extent.y) / 20, 2.5, 8.0);
     way_.seed = hash_combine(site_.seed, 3);
-    way_.depth = std::max(3.0, size_);
+    way_.depth = std::max(3.0, 1.5 * size_);
   }
 
   Result carve() {
@@ -277,7 +277,7 @@ class Cave {
 
   /// A cone that opens outward, on which the grammar goes on at its inner end.
   void begin(double length) {
-    constexpr double before = 4;
+    constexpr double before = 1.5;
     const double wide = flare * p_.passage;
     const auto& cone = grammar::find_solid("cone");
     grammar::Shape shape =

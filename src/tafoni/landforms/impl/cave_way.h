@@ -25,7 +25,7 @@ struct WaySettings {
 
 /// The room: metres to its surface, positive inside.
 field::FunctionPtr room_of(std::vector<Stretch> way, const WaySettings& settings);
-/// The sediment: positive inside; beside the way its surface falls off at 30 degrees.
+/// The sediment: positive inside; beside the way its surface falls off at 14 degrees.
 field::FunctionPtr floor_of(std::vector<Stretch> way, const WaySettings& settings);
 
 /// Metres outside of a box, by axes, times `steep`; negative inside.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -47,6 +48,29 @@ TEST(Half, WhatIsTooLargeBecomesTheLargest) {
     EXPECT_EQ(to_half(-large), 0xfbff);
   }
   EXPECT_TRUE(std::isnan(from_half(to_half(std::numeric_limits<float>::quiet_NaN()))));
+}
+
+TEST(Half, ManyAtOnceGiveTheSameBits) {
+  std::vector<std::uint16_t> halves;
+  for (std::uint32_t h = 0; h < 0x10000; ++h)
+    if ((h & 0x7c00) != 0x7c00) halves.push_back(static_cast<std::uint16_t>(h));
+  std::vector<float> floats(halves.size());
+  from_half(halves.data(), halves.size(), floats.data());
+  for (std::size_t i = 0; i < halves.size(); ++i)
+    ASSERT_EQ(std::bit_cast<std::uint32_t>(floats[i]), std::bit_cast<std::uint32_t>(from_half(halves[i])));
+
+  Random random(1);
+  std::vector<float> any{0.f, -0.f, 65504.f, 65519.f, 65520.f, -1e30f, 1e-30f, -1e-7f, 6e-8f, 3e-8f};
+  for (int i = 0; i < 200003; ++i) {
+    const float v = std::bit_cast<float>(static_cast<std::uint32_t>(random.next()));
+    if (std::isfinite(v)) any.push_back(i % 2 ? v : std::fmod(v, 300.f));
+  }
+  for (std::uint32_t h = 1; h < 0x7bff; ++h)  // ties
+    any.push_back((from_half(static_cast<std::uint16_t>(h)) + from_half(static_cast<std::uint16_t>(h + 1))) /
+                  2);
+  std::vector<std::uint16_t> out(any.size());
+  to_half(any.data(), any.size(), out.data());
+  for (std::size_t i = 0; i < any.size(); ++i) ASSERT_EQ(out[i], to_half(any[i])) << any[i];
 }
 
 }  // namespace

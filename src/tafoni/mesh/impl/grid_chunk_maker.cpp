@@ -20,8 +20,13 @@ constexpr std::uint64_t bits(int from, int to) {
   return ((std::uint64_t{1} << to) - 1) & ~((std::uint64_t{1} << from) - 1);
 }
 
-std::uint32_t count(const RowEdges& e) {
-  return static_cast<std::uint32_t>(std::popcount(e.x) + std::popcount(e.y) + std::popcount(e.z));
+/// Copies the table of rows [first, end) that stay, now from `at` on; returns what follows.
+std::uint32_t move_table(const std::vector<std::uint32_t>& old, std::size_t first, std::size_t end,
+                         std::uint32_t at, std::vector<std::uint32_t>& now) {
+  if (first >= end) return at;
+  const std::uint32_t moved = at - old[first];
+  for (std::size_t row = first; row < end; ++row) now[row] = old[row] + moved;
+  return old[end] + moved;
 }
 
 }  // namespace
@@ -40,8 +45,6 @@ GridChunkMaker::GridChunkMaker(const GridLayout& layout, bool polygons)
   constexpr std::size_t most = ScalarGrid::chunk_samples + 5, slack = most * most + most + 1;
   memory_.assign(most * most * most + 2 * slack, 0.0f);
   samples_ = memory_.data() + slack;
-  lower_.resize(most);
-  upper_.resize(most);
 }
 
 bool GridChunkMaker::make(const ScalarGrid& grid, Vec3i chunk, const SampleBox& changed,
@@ -82,7 +85,8 @@ void GridChunkMaker::choose_parts(const SampleBox& changed) {
   const Vec3i n = block_.samples;
   GridChunkState& s = *state_;
   if (s.solid.empty()) {
-    s.solid.assign(static_cast<std::size_t>(n.y) * static_cast<std::size_t>(n.z), 0);
+    s.solid.assign(static_cast<std::size_t>(n.y) * static_cast<std::size_t>(n.z) + 1,
+                   0);  // one for row_words()
     s.vertex_at.clear();
     s.triangle_at.clear();
     changed_ = fresh_ = {{0, n.y - 1}, {0, n.z - 1}};
@@ -135,70 +139,66 @@ void GridChunkMaker::update_bits() {
 
 /// Where each row's vertices will be.
 void GridChunkMaker::count_vertices() {
-  const Vec3i n = block_.samples;
-  const auto& old = state_->vertex_at;
-  vertex_at_.resize(static_cast<std::size_t>(n.y) * static_cast<std::size_t>(n.z) + 1);
+  const Vec3i n = block_.samples, lo = block_.lo, hi = block_.hi;
+  const Rows rows = fresh_.rows, within{std::max(rows.first, lo.y), std::min(rows.last, hi.y)};
+  const auto end = static_cast<std::size_t>(n.y) * static_cast<std::size_t>(n.z);
+  vertex_at_.resize(end + 1);
+  words_.resize(static_cast<std::size_t>((rows.last - rows.first + 1) *
+                                         (fresh_.planes.last - fresh_.planes.first + 1)));
   std::uint32_t at = 0;
   std::size_t row = 0;
-  for (int k = 0; k < n.z; ++k)
-    for (int j = 0; j < n.y; ++j, ++row) {
-      vertex_at_[row] = at;
-      const bool fresh = fresh_.planes.has(k) && fresh_.rows.has(j);
-      at += fresh ? count(state_->edges(block_, j, k)) : old[row + 1] - old[row];
+  for (int k = fresh_.planes.first; k <= fresh_.planes.last; ++k) {
+    const auto plane = static_cast<std::size_t>(k * n.y);
+    at = move_table(state_->vertex_at, row, plane + static_cast<std::size_t>(rows.first), at, vertex_at_);
+    row = plane + static_cast<std::size_t>(rows.last + 1);
+    RowWord empty;
+    empty.x_base = empty.y_base = empty.z_base = at;
+    std::fill_n(&word(rows.first, k), rows.last - rows.first + 1, empty);
+    if (k >= lo.z && k <= hi.z && within.first <= within.last) {
+      const std::uint64_t* solid = state_->solid.data() + plane + within.first;
+      at = row_words(solid, k < hi.z ? solid + n.y : nullptr, within.last - within.first + 1, columns(),
+                     bits(lo.x, hi.x + 1), at, &word(within.first, k));
+      if (within.last == hi.y) {  // no row after it
+        RowWord& last = word(within.last, k);
+        at -= last.z_base - last.y_base;
+        last.z_base = last.y_base;
+        last.y = 0;
+      }
+      for (int j = within.last + 1; j <= rows.last; ++j) word(j, k).x_base = at;
     }
-  vertex_at_[row] = at;
+    for (int j = rows.first; j <= rows.last; ++j)
+      vertex_at_[plane + static_cast<std::size_t>(j)] = word(j, k).x_base;
+  }
+  vertex_at_[end] = move_table(state_->vertex_at, row, end, at, vertex_at_);
 }
 
 std::uint64_t GridChunkMaker::columns() const {
   return bits(block_.lo.x, block_.hi.x);
 }
 
-RowWord GridChunkMaker::row_word(int j, int k) const {
-  const std::size_t row = static_cast<std::size_t>(k * block_.samples.y + j);
-  const RowEdges e = state_->edges(block_, j, k);
-  RowWord word;
-  word.solid = state_->solid[row];
-  word.next = word.solid >> 1;
-  word.x = e.x, word.y = e.y, word.z = e.z;
-  word.x_base = vertex_at_[row];
-  word.y_base = word.x_base + static_cast<std::uint32_t>(std::popcount(e.x));
-  word.z_base = word.y_base + static_cast<std::uint32_t>(std::popcount(e.y));
-  return word;
-}
-
 /// The triangles of recut rows, and where each row's will be.
 void GridChunkMaker::make_triangles() {
   const Vec3i n = block_.samples, lo = block_.lo, hi = block_.hi;
-  const auto& old = state_->triangle_at;
-  triangle_at_.resize(static_cast<std::size_t>(n.y - 1) * static_cast<std::size_t>(n.z - 1) + 1);
+  const auto end = static_cast<std::size_t>(n.y - 1) * static_cast<std::size_t>(n.z - 1);
+  triangle_at_.resize(end + 1);
   corners_.clear();
   const std::uint64_t cells = columns();
   std::uint64_t cut = 0;
   std::uint32_t at = 0;
   std::size_t row = 0;
-  const auto fill = [&](int k, std::vector<RowWord>& words) {
-    for (int j = recut_.rows.first; j <= recut_.rows.last + 1; ++j)
-      words[static_cast<std::size_t>(j)] = row_word(j, k);
-  };
-  for (int k = 0; k < n.z - 1; ++k) {
-    const bool layer = recut_.planes.has(k);
-    if (layer && k > recut_.planes.first) std::swap(lower_, upper_);
-    if (layer && k == recut_.planes.first) fill(k, lower_);
-    if (layer) fill(k + 1, upper_);
-    for (int j = 0; j < n.y - 1; ++j, ++row) {
-      triangle_at_[row] = at;
-      if (!layer || !recut_.rows.has(j)) {
-        at += old[row + 1] - old[row];
-      } else if (j >= lo.y && j < hi.y && k >= lo.z && k < hi.z) {
-        corners_.reserve_extra(15 * 64 + kernel_slack);
-        const std::size_t made =
-            triangles(lower_.data() + j, upper_.data() + j, &cells, 1, 1, corners_.end(), cut);
-        corners_.commit(made);
-        at += static_cast<std::uint32_t>(made / 3);
-      }
+  for (int k = recut_.planes.first; k <= recut_.planes.last; ++k) {
+    at = move_table(state_->triangle_at, row, voxel_row(recut_.rows.first, k), at, triangle_at_);
+    row = voxel_row(recut_.rows.last + 1, k);
+    for (int j = recut_.rows.first; j <= recut_.rows.last; ++j) {
+      triangle_at_[voxel_row(j, k)] = at;
+      if (j < lo.y || j >= hi.y || k < lo.z || k >= hi.z) continue;
+      corners_.reserve_extra(15 * 64 + kernel_slack);
+      const std::size_t made = triangles(&word(j, k), &word(j, k + 1), &cells, 1, 1, corners_.end(), cut);
+      corners_.commit(made);
+      at += static_cast<std::uint32_t>(made / 3);
     }
   }
-  triangle_at_[row] = at;
+  triangle_at_[end] = move_table(state_->triangle_at, row, end, at, triangle_at_);
 }
 
 /// Appends the vertices that rows [first_row, end_row) had.
@@ -246,8 +246,7 @@ void GridChunkMaker::place_row_span(int k, GridChunkMesh& out) {
   keys_.clear();
   keys_.reserve_extra(n + kernel_slack);
   for (int j = first; j <= last; ++j) {
-    if (vertex_at_[row(j)] == vertex_at_[row(j) + 1]) continue;
-    const RowEdges e = state_->edges(block_, j, k);
+    const RowWord& e = word(j, k);
     EdgeKey* to = keys_.end();
     const auto list = [&](std::uint64_t set, int axis) {
       for (; set; set &= set - 1) *to++ = edge_key(std::countr_zero(set), j, axis);

@@ -61,7 +61,10 @@ class GridChunkMaker {
   std::size_t voxel_row(int j, int k) const {
     return static_cast<std::size_t>(k * (block_.samples.y - 1) + j);
   }
-  RowWord row_word(int j, int k) const;
+  RowWord& word(int j, int k) {
+    const int rows = fresh_.rows.last - fresh_.rows.first + 1;
+    return words_[static_cast<std::size_t>((k - fresh_.planes.first) * rows + j - fresh_.rows.first)];
+  }
   void make_triangles();
   void place_all(GridChunkMesh& out);
   void place_row_span(int k, GridChunkMesh& out);
@@ -92,7 +95,7 @@ class GridChunkMaker {
   Buffer<EdgeKey> keys_;
   Buffer<float> positions_, normals_;
   Buffer<std::uint32_t> corners_;  ///< of the triangles of recut rows, in their order
-  std::vector<RowWord> lower_, upper_;
+  std::vector<RowWord> words_;     ///< of fresh rows
 };
 
 }  // namespace tafoni::mesh::impl

@@ -43,6 +43,25 @@ std::uint64_t differences_kernel(const std::uint64_t* a, const std::uint64_t* b,
   return count;
 }
 
+std::uint32_t row_words_kernel(const std::uint64_t* solid, const std::uint64_t* above, int rows,
+                               std::uint64_t cells, std::uint64_t samples, std::uint32_t base, RowWord* out) {
+  const auto count = [](std::uint64_t word) {
+    return static_cast<std::uint32_t>(__builtin_popcountll(word));
+  };
+  for (int j = 0; j < rows; ++j, ++out) {
+    out->solid = solid[j];
+    out->next = solid[j] >> 1;
+    out->x = (solid[j] ^ out->next) & cells;
+    out->y = (solid[j] ^ solid[j + 1]) & samples;
+    out->z = above ? (solid[j] ^ above[j]) & samples : 0;
+    out->x_base = base;
+    out->y_base = out->x_base + count(out->x);
+    out->z_base = out->y_base + count(out->y);
+    base = out->z_base + count(out->z);
+  }
+  return base;
+}
+
 using F = hn::ScalableTag<float>;
 using I = hn::RebindToSigned<F>;
 using D = hn::ScalableTag<double>;
@@ -252,6 +271,7 @@ namespace tafoni::mesh::impl {
 
 HWY_EXPORT(signs_kernel);
 HWY_EXPORT(differences_kernel);
+HWY_EXPORT(row_words_kernel);
 HWY_EXPORT(place_kernel);
 HWY_EXPORT(triangles_kernel);
 
@@ -276,6 +296,11 @@ void signs(const float* f, int samples, std::uint64_t* words) {
 
 std::uint64_t count_differences(const std::uint64_t* a, const std::uint64_t* b, std::size_t words) {
   return HWY_DYNAMIC_DISPATCH(differences_kernel)(a, b, words);
+}
+
+std::uint32_t row_words(const std::uint64_t* solid, const std::uint64_t* above, int rows, std::uint64_t cells,
+                        std::uint64_t samples, std::uint32_t base, RowWord* out) {
+  return HWY_DYNAMIC_DISPATCH(row_words_kernel)(solid, above, rows, cells, samples, base, out);
 }
 
 void place(const Plane& plane, const EdgeKey* keys, std::size_t n, float* positions, double* points,

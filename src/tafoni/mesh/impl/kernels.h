@@ -23,6 +23,13 @@ void signs(const float* f, int samples, std::uint64_t* words);
 /// Number of places in which two runs of words differ.
 std::uint64_t count_differences(const std::uint64_t* a, const std::uint64_t* b, std::size_t words);
 
+/// Fills `out` for `rows` rows of a block of at most 63 samples a row, from the solid bits of them and the
+/// row after, one word each, and those of the plane above, or null where no edge leads there. x edges are
+/// taken in `cells`, others in `samples`. Vertices are numbered from `base`; returns the number after the
+/// last.
+std::uint32_t row_words(const std::uint64_t* solid, const std::uint64_t* above, int rows, std::uint64_t cells,
+                        std::uint64_t samples, std::uint32_t base, RowWord* out);
+
 /// A vertex within a plane of samples: column i, row j and axis of its edge.
 using EdgeKey = std::uint32_t;
 constexpr EdgeKey edge_key(int i, int j, int axis) {

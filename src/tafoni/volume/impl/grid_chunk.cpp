@@ -19,7 +19,7 @@ Interval range_of(const GridChunk& chunk, Vec3i first, Vec3i size) {
       if (chunk.single)
         samples = chunk.single.get() + at;
       else
-        for (int i = 0; i < block_side; ++i) row[i] = from_half(chunk.half[at + i]);
+        from_half(chunk.half.get() + at, block_side, row);
       for (int i = 0; i < block_side; ++i) {
         lo[i] = samples[i] < lo[i] ? samples[i] : lo[i];
         hi[i] = samples[i] > hi[i] ? samples[i] : hi[i];
@@ -71,7 +71,7 @@ std::unique_ptr<GridChunk> made_of(std::unique_ptr<float[]> samples, Precision p
     made->single = std::move(samples);
   } else {
     made->half.reset(new std::uint16_t[chunk_size]);
-    for (int i = 0; i < chunk_size; ++i) made->half[i] = to_half(samples[i]);
+    to_half(samples.get(), chunk_size, made->half.get());
   }
   std::uint64_t used = 0;
   for (int b = 0; b < blocks; ++b)

@@ -1,0 +1,301 @@
+#include <algorithm>
+#include <cmath>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/random.h"
+#include "tafoni/geology/geology.h"
+#include "tafoni/landforms/impl/ground.h"
+#include "tafoni/landforms/impl/tool_rows.h"
+#include "tafoni/landforms/landform.h"
+#include "tafoni/volume/prism_convert.h"
+
+namespace tafoni::landforms {
+namespace {
+
+using impl::Ground;
+using impl::ToolUse;
+using volume::Edit;
+using volume::PrismFields;
+using volume::Tool;
+
+struct Params {
+  std::string source = "terrain";
+  double spacing = 0;
+  std::vector<double> at;
+  std::vector<double> size = {100, 100, 40};
+  bool alone = false;
+  std::int64_t count = 60;
+  std::vector<double> radius = {0, 0};
+  double step = 0;
+  double bedding = 0;
+  Rows tools;
+};
+
+const ParamTable<Params>& table() {
+  static const ParamTable<Params> params = [] {
+    ParamTable<Params> t;
+    t.choice("source", &Params::source, {"terrain", "box"},
+             "what is dug: the terrain with the layers below, or a box of rock")
+        .real("spacing", &Params::spacing, "m", 0, 1000,
+              "between columns, 0 for the terrain's pixel; matter and air thinner than that may be lost")
+        .numbers(
+            "at", &Params::at, "m", 0, -1e9, 1e9,
+            "of a box: x, y and z of the middle of its underside; if not given it stands on the middle of "
+            "the terrain")
+        .numbers("size", &Params::size, "m", 3, 0.1, 1e5, "of a box: its sides along x, y and z")
+        .boolean("alone", &Params::alone, "whether a box stands in place of the terrain")
+        .integer("count", &Params::count, "", 0, 100000,
+                 "spheres taken out at random places, before the tools")
+        .numbers("radius", &Params::radius, "m", 2, 0, 10000,
+                 "least and greatest of the spheres, 0 for 3 and 9 % of the shorter side")
+        .real("step", &Params::step, "m", 0, 1e5,
+              "most that a sphere lies from the one before; 0 for anywhere in the rock")
+        .real("bedding", &Params::bedding, "m", 0, 100,
+              "how far soft rock recedes from the surface; at most three quarters of the terrain's amplitude")
+        .rows("tool", &Params::tools, impl::tool_columns(),
+              "tools applied one after another, after the spheres");
+    return t;
+  }();
+  return params;
+}
+
+/// The prism-field where control is 1, what was there before where it is 0, between them the one shades into
+/// the other.
+class Replaced final : public field::Function {
+ public:
+  Replaced(const field::NodePtr& before, field::FunctionPtr now, field::FunctionPtr control)
+      : before_(field::compile(before)), now_(std::move(now)), control_(std::move(control)) {}
+
+  void values(std::span<const Vec3d> points, std::span<float> out) const override {
+    std::vector<float> share(points.size()), now(points.size());
+    control_->values(points, share);
+    if (std::any_of(share.begin(), share.end(), [](float s) { return s < 1; })) before_.values(points, out);
+    now_->values(points, now);
+    for (std::size_t n = 0; n < points.size(); ++n) {
+      if (share[n] >= 1)
+        out[n] = now[n];
+      else if (share[n] > 0)
+        out[n] = out[n] * (1 - share[n]) + now[n] * share[n];
+    }
+  }
+  double step() const override { return now_->step(); }
+  Interval range(const Box3d& box) const override {
+    const Interval share = control_->range(box);
+    if (share.hi <= 0) return before_.interval(box);
+    const Interval now = now_->range(box);
+    if (share.lo >= 1) return now;
+    const Interval before = before_.interval(box);
+    return {std::min(before.lo, now.lo), std::max(before.hi, now.hi)};
+  }
+
+ private:
+  field::CompiledField before_;
+  field::FunctionPtr now_, control_;
+};
+
+double volume_of(const PrismFields& fields) {
+  const volume::ColumnFrame& frame = fields.frame();
+  volume::ColumnBlock row;
+  double sum = 0;
+  for (int j = 0; j < frame.ny; ++j) {
+    fields.read({0, j, frame.nx - 1, j}, row);
+    for (int i = 0; i < frame.nx; ++i)
+      for (const volume::Matter& m : row.at(i, j)) sum += static_cast<double>(m.top - m.bottom);
+  }
+  return sum * frame.dx * frame.dy;
+}
+
+class Digging {
+ public:
+  Digging(const Ground& ground, const Params& p, Progress& progress)
+      : ground_(ground), site_(ground.site()), p_(p), progress_(progress), random_(site_.seed, 0x9715) {
+    spacing_ = p.spacing > 0 ? p.spacing : ground.pixel();
+    tools_ = impl::tools_of(p.tools, site_.origin, "prism-field");
+  }
+
+  Result run() {
+    const bool box = p_.source == "box";
+    room_ = ground_.box();
+    if (box) {
+      const Vec3d half{0.5 * p_.size[0], 0.5 * p_.size[1], 0};
+      room_ = {foot() - half, foot() + half};
+      room_.hi.z += p_.size[2];
+      if (!ground_.usable(room_.center())) return nothing();
+    }
+    return box ? dig_box() : dig_terrain();
+  }
+
+ private:
+  Result nothing() const {
+    Result result;
+    result.report = {{"tools", std::int64_t{0}}, {"primitives", std::int64_t{0}}};
+    return result;
+  }
+
+  Vec3d foot() const {
+    if (p_.at.size() == 3) return Vec3d{p_.at[0], p_.at[1], p_.at[2]} - site_.origin;
+    if (!p_.at.empty())
+      fail(ErrorKind::usage, "prism-field: at has {} numbers; give x, y and z", p_.at.size());
+    Vec3d middle = ground_.box().center();
+    middle.z = ground_.height(middle.x, middle.y);
+    return middle;
+  }
+
+  /// Where a sphere may lie: in the room and, of a terrain, no higher than the ground.
+  Vec3d somewhere() {
+    const double x = random_.uniform(room_.lo.x, room_.hi.x), y = random_.uniform(room_.lo.y, room_.hi.y);
+    const double top = p_.source == "box" ? room_.hi.z : std::min(room_.hi.z, ground_.height(x, y));
+    return {x, y, random_.uniform(room_.lo.z, std::max(room_.lo.z, top))};
+  }
+
+  /// Document 000, figure 7: "a destructive sphere was randomly and discontinuously moved about".
+  void dig(PrismFields& fields) {
+    const Vec3d sides = room_.size();
+    const double shorter = std::min({sides.x, sides.y, sides.z});
+    const double least = p_.radius[0] > 0 ? p_.radius[0] : 0.03 * shorter;
+    const double most = std::max(least, p_.radius[1] > 0 ? p_.radius[1] : 0.09 * shorter);
+    progress_.begin("digging", static_cast<std::uint64_t>(p_.count) + tools_.size(), "tools");
+    Vec3d last = somewhere();
+    for (std::int64_t n = 0; n < p_.count; ++n) {
+      Vec3d next = somewhere();
+      for (int tries = 0; p_.step > 0 && n > 0 && tries < 1000 && length(next - last) > p_.step; ++tries) {
+        const Vec3d way{random_.uniform(-1, 1), random_.uniform(-1, 1), random_.uniform(-1, 1)};
+        const Vec3d near = last + way * p_.step;
+        if (room_.contains(near)) next = near;
+      }
+      last = next;
+      if (ground_.usable(next)) apply(fields, Tool::sphere(next, random_.uniform(least, most)), Edit::remove);
+      progress_.advance();
+    }
+    for (const ToolUse& use : tools_) {
+      apply(fields, use.tool, use.mode);
+      progress_.advance();
+    }
+    progress_.end();
+  }
+
+  void apply(PrismFields& fields, const Tool& tool, Edit mode) {
+    changed_ += !fields.apply(tool, mode).empty();
+  }
+
+  Result report(const PrismFields& fields, double before) const {
+    Result result;
+    result.report = {{"tools", changed_},
+                     {"columns", std::int64_t{fields.frame().nx} * fields.frame().ny},
+                     {"layers", static_cast<std::int64_t>(fields.layers())},
+                     {"volume_removed_m3", before - volume_of(fields)},
+                     {"bytes", static_cast<std::int64_t>(fields.bytes())},
+                     {"primitives", std::int64_t{0}}};
+    return result;
+  }
+
+  Result dig_box() {
+    // Columns on the lattice, one more than the box needs on each side: what the tools add may reach out.
+    Box3d over = room_;
+    for (const ToolUse& use : tools_)
+      if (use.mode == Edit::add) over.expand(use.tool.bounds());
+    const auto down = [&](double v) { return std::floor(v / spacing_) * spacing_; };
+    const volume::ColumnFrame frame{
+        {down(over.lo.x), down(over.lo.y), 0},
+        spacing_,
+        spacing_,
+        static_cast<int>(std::ceil((over.hi.x - down(over.lo.x)) / spacing_)) + 1,
+        static_cast<int>(std::ceil((over.hi.y - down(over.lo.y)) / spacing_)) + 1};
+    PrismFields fields(frame);
+    const Vec3d half = room_.size() * 0.5;
+    fields.apply(Tool::box(room_.center(), half + Vec3d{1e-6, 1e-6, 0}), Edit::add);
+    const double before = volume_of(fields);
+    dig(fields);
+    Result result = report(fields, before);
+    const auto leaf = wear(nullptr)(field::function(volume::as_function(fields, {.reach = site_.amplitude})));
+    result.reshaped = p_.alone ? Box3d::everything() : over.grown(2 * spacing_ + site_.amplitude);
+    result.reshape = [leaf, alone = p_.alone](field::NodePtr tree) {
+      return alone ? leaf : field::combine("union", {std::move(tree), leaf});
+    };
+    return result;
+  }
+
+  /// Where the prism-field takes the place of what was there.
+  field::FunctionPtr control_of(const Box3d& box) const {
+    Region region = site_.region ? *site_.region : Region();
+    region.limit_box(box);
+    if (site_.valid) {
+      auto data = std::make_shared<raster::Raster>(*site_.heights);
+      for (std::size_t n = 0; n < data->values.size(); ++n)
+        data->values.values()[n] = site_.valid->values()[n] ? 1.0f : raster::no_data;
+      region.limit_mask(std::move(data));
+    }
+    return as_function(&region, 2 * spacing_);
+  }
+
+  Result dig_terrain() {
+    Box3d over = room_.grown(4 * spacing_);
+    for (const ToolUse& use : tools_) {
+      over.lo.z = std::min(over.lo.z, use.tool.bounds().lo.z);
+      over.hi.z = std::max(over.hi.z, use.tool.bounds().hi.z);
+    }
+    over.lo.z -= 2 * site_.amplitude;
+    PrismFields fields = volume::prism_from(field::compile(site_.terrain), over, spacing_, progress_);
+    const double before = volume_of(fields);
+    dig(fields);
+    Result result = report(fields, before);
+    const auto leaf =
+        volume::as_function(fields, {.reach = site_.amplitude, .floor = fields.frame().origin.z + 1e-3});
+    // Up and down it goes as far as the region does.
+    Box3d within = over.grown(-spacing_);
+    within.lo.z = -std::numeric_limits<double>::infinity();
+    within.hi.z = std::numeric_limits<double>::infinity();
+    const auto control = control_of(within);
+    result.reshaped = within;
+    if (site_.region) {
+      const Box3d limit = site_.region->bounds();
+      result.reshaped.lo.z = limit.lo.z, result.reshaped.hi.z = limit.hi.z;
+    }
+    result.reshape = [leaf, control, wear = wear(control)](field::NodePtr tree) {
+      return wear(field::function(std::make_shared<Replaced>(tree, leaf, control)));
+    };
+    return result;
+  }
+
+  /// Takes soft beds back, within the region.
+  std::function<field::NodePtr(field::NodePtr)> wear(const field::FunctionPtr& where) const {
+    const double depth = std::min(p_.bedding, 0.75 * site_.amplitude);
+    if (!(depth > 0) || !site_.geology) return [](field::NodePtr tree) { return tree; };
+    const auto hardness = geology::as_function(site_.geology);
+    return [=](field::NodePtr tree) { return field::erode(std::move(tree), where, hardness, depth); };
+  }
+
+  const Ground& ground_;
+  const Site& site_;
+  const Params& p_;
+  Progress& progress_;
+  Random random_;
+  double spacing_ = 1;
+  Box3d room_;
+  std::vector<ToolUse> tools_;
+  std::int64_t changed_ = 0;
+};
+
+Result generate(const Site& site, const Values& values, Progress& progress) {
+  Params p;
+  assign(table().infos(), &p, values, "prism-field");
+  progress.check();
+  const Ground ground(site);
+  if (ground.box().empty()) {
+    Result result;
+    result.report = {{"tools", std::int64_t{0}}, {"primitives", std::int64_t{0}}};
+    return result;
+  }
+  return Digging(ground, p, progress).run();
+}
+
+}  // namespace
+
+const LandformType& landform_prism_field() {
+  static const LandformType type{
+      "prism-field", "Ground as layers of columns, dug and built with spheres, capsules, boxes and hulls",
+      "Boggus and Crawfis (document 000), section 3 and figures 7 and 8", table().infos(), &generate};
+  return type;
+}
+
+}  // namespace tafoni::landforms
