@@ -326,7 +326,8 @@ std::optional<SweepHit> Collider::sweep(const Capsule& shape, Vec3d motion) cons
       shape.a + half, motion, half, shape.radius,
       [](void* context, const Triangle& triangle, double) {
         auto& s = *static_cast<Search*>(context);
-        const auto hit = impl::moving_hit(triangle, s.shape.a, s.shape.b, s.shape.radius, s.motion);
+        const double most = std::min(s.best.time, 1.0);
+        const auto hit = impl::moving_hit(triangle, s.shape.a, s.shape.b, s.shape.radius, s.motion, most);
         if (hit && hit->overlap) {
           s.overlap = true;
           return -1.0;

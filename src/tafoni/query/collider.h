@@ -82,6 +82,9 @@ class Collider {
  public:
   virtual ~Collider() = default;
 
+  /// A box that holds the whole surface; empty where there is none.
+  virtual Box3d bounds() const = 0;
+
   /// Where the ray first crosses the surface, from the air or from the rock, within `distance` metres.
   std::optional<RayHit> ray(Vec3d from, Vec3d direction, double distance) const;
   /// Whether the point lies in the rock.
@@ -123,8 +126,6 @@ class Collider {
   virtual double stride() const = 0;
   /// True where the box holds no surface for certain and that is cheap to tell; asked for large boxes only.
   virtual bool empty(const Box3d& box) const = 0;
-  /// A box that holds the whole surface.
-  virtual Box3d bounds() const = 0;
 
  private:
   using Found = double (*)(void*, const impl::Triangle&, double);

@@ -41,6 +41,31 @@ void fill_solid(const field::ChunkSamples& samples, const field::BrickBox& box, 
       }
 }
 
+bool no_surface(Interval range) {
+  return range.lo > 0 || range.hi <= 0;
+}
+
+/// Elevations between which the surface lies, to `grain` metres: field.bounds() knows x and y, but functions
+/// in the tree may vary at any elevation.
+Box3d surface_bounds(const field::CompiledField& field, double grain) {
+  constexpr double limit = 1e5;
+  Box3d box = field.bounds();
+  if (box.empty()) return box;
+  const auto none = [&](double lo, double hi) {
+    return no_surface(field.interval({{box.lo.x, box.lo.y, lo}, {box.hi.x, box.hi.y, hi}}));
+  };
+  // What lies beyond `from` towards `to` and holds surface, at its far end.
+  const auto beyond = [&](auto& self, double from, double to) -> double {
+    if (none(std::min(from, to), std::max(from, to))) return from;
+    if (std::abs(to - from) <= grain) return to;
+    const double middle = (from + to) / 2, far = self(self, middle, to);
+    return far != middle ? far : self(self, from, middle);
+  };
+  const double top = beyond(beyond, box.hi.z, limit), bottom = beyond(beyond, box.lo.z, -limit);
+  box.hi.z = top, box.lo.z = bottom;
+  return box;
+}
+
 }  // namespace
 
 /// What one thread makes tiles with.
@@ -75,7 +100,7 @@ FieldCollider::~FieldCollider() = default;
 void FieldCollider::update(field::CompiledField now, std::span<const Box3d> changed) {
   idle_.clear();
   field_ = std::move(now);
-  bounds_ = field_.bounds();
+  bounds_ = surface_bounds(field_, Tile::cells * settings_.voxel);
   if (!bounds_.empty()) bounds_ = bounds_.grown(2 * settings_.voxel);
   idle_.push_back(
       std::make_unique<Worker>(field_, settings_, settings_.region.empty() ? bounds_ : settings_.region));
@@ -119,8 +144,7 @@ LatticeCollider::TilePtr FieldCollider::make(Vec3i index) const {
 }
 
 bool FieldCollider::empty(const Box3d& box) const {
-  const Interval range = field_.interval(box.grown(settings_.voxel));
-  return range.lo > 0 || range.hi <= 0;
+  return no_surface(field_.interval(box.grown(settings_.voxel)));
 }
 
 }  // namespace tafoni::query

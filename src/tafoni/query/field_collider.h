@@ -29,10 +29,11 @@ class FieldCollider : public LatticeCollider {
   /// query may be under way.
   void update(field::CompiledField now, std::span<const Box3d> changed);
 
+  Box3d bounds() const override { return bounds_; }
+
  protected:
   TilePtr make(Vec3i tile) const override;
   bool empty(const Box3d& box) const override;
-  Box3d bounds() const override { return bounds_; }
 
  private:
   struct Worker;

@@ -160,12 +160,7 @@ void Walker::move(const Collider& ground, Vec3d wish, double seconds) {
     fail(ErrorKind::usage, "the walker's wish is not finite: give metres a second");
   if (!(seconds >= 0) || !std::isfinite(seconds))
     fail(ErrorKind::usage, "a move of {} s cannot be made: give 0 or more", seconds);
-  // The ground may have changed around it.
-  const Slide freed = ground.slide(capsule_at(feet_), {}, {.skin = settings_.skin});
-  stuck_ = freed.stuck;
-  if (stuck_) return;
-  grounded_ = grounded_ && freed.moved == Vec3d{};
-  feet_ += freed.moved;
+  stuck_ = false;
   const Vec3d way = level(wish) * seconds;
   if (grounded_)
     walk(ground, way);

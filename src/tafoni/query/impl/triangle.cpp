@@ -37,8 +37,11 @@ NearestPair nearest_of_segments(Vec3d a0, Vec3d a1, Vec3d b0, Vec3d b1) {
 struct Sweep {
   Vec3d from, motion;
   double radius;
-  double best = std::numeric_limits<double>::infinity();
+  double best;  ///< only what is met before counts
   Vec3d point;
+  bool met = false;
+
+  void meet(double time, Vec3d at) { best = time, point = at, met = true; }
 
   /// The flat polygon corners[0 .. n) of unit normal `normal`, at `radius` from its plane.
   void face(const Vec3d* corners, int n, Vec3d normal) {
@@ -47,7 +50,7 @@ struct Sweep {
     const double speed = -dot(motion, normal);
     if (!(speed > 0) || height < radius) return;
     const double time = (height - radius) / speed;
-    if (!(time < best)) return;
+    if (!(time <= best)) return;
     const Vec3d at = from + motion * time - normal * radius;
     // The sign that all edges must agree on depends on which way round the corners go.
     bool left = false, right = false;
@@ -57,9 +60,7 @@ struct Sweep {
       left = left || side > 0;
       right = right || side < 0;
     }
-    if (left && right) return;
-    best = time;
-    point = at;
+    if (!left || !right) meet(time, at);
   }
 
   void edge(Vec3d p, Vec3d q) {
@@ -69,19 +70,15 @@ struct Sweep {
     const double m_along = dot(motion, along) / full, o_along = dot(offset, along) / full;
     const Vec3d m = motion - along * m_along, o = offset - along * o_along;
     const double time = root(squared(m), dot(m, o), squared(o) - radius * radius);
-    if (!(time < best)) return;
+    if (!(time <= best)) return;
     const double s = o_along + time * m_along;
-    if (s < 0 || s > 1) return;
-    best = time;
-    point = p + along * s;
+    if (s >= 0 && s <= 1) meet(time, p + along * s);
   }
 
   void vertex(Vec3d p) {
     const Vec3d o = from - p;
     const double time = root(squared(motion), dot(motion, o), squared(o) - radius * radius);
-    if (!(time < best)) return;
-    best = time;
-    point = p;
+    if (time <= best) meet(time, p);
   }
 
  private:
@@ -117,6 +114,32 @@ void sweep_prism(const Triangle& t, Vec3d normal, Vec3d axis, Sweep& sweep) {
     sweep.vertex(v[i]);
     sweep.vertex(far[i]);
   }
+}
+
+/// Whether a point of the triangle's plane lies in the triangle.
+bool inside(const Triangle& t, Vec3d p, Vec3d normal) {
+  for (int i = 0; i < 3; ++i)
+    if (dot(cross(t.v[(i + 1) % 3] - t.v[i], p - t.v[i]), normal) < 0) return false;
+  return true;
+}
+
+/// Touching or overlap before the motion; a time above 1 for a shape that touches and does not come nearer.
+/// Distance to a convex shape is convex along a line: who does not come nearer now never will.
+std::optional<MovingHit> touched(const Triangle& t, Vec3d a, Vec3d b, double radius, Vec3d motion,
+                                 bool sphere) {
+  Vec3d on_shape = a, on_triangle;
+  if (sphere) {
+    on_triangle = nearest_point(t, a);
+  } else {
+    const NearestPair pair = nearest_pair(t, a, b);
+    on_shape = pair.on_segment, on_triangle = pair.on_triangle;
+  }
+  const Vec3d gap = on_shape - on_triangle;
+  const double distance = length(gap);
+  if (distance > radius + touching) return {};
+  if (distance < radius - touching) return MovingHit{.point = {}, .normal = {}, .overlap = true};
+  const bool nearer = distance > 0 && dot(motion, gap) < -parallel * length(motion) * distance;
+  return MovingHit{nearer ? 0.0 : 2.0, on_triangle, gap * (1 / std::max(distance, 1e-300))};
 }
 
 }  // namespace
@@ -169,30 +192,33 @@ std::optional<double> ray_hit(const Triangle& t, Vec3d from, Vec3d along) {
   return s >= 0 ? std::optional(s) : std::nullopt;
 }
 
-std::optional<MovingHit> moving_hit(const Triangle& t, Vec3d a, Vec3d b, double radius, Vec3d motion) {
+std::optional<MovingHit> moving_hit(const Triangle& t, Vec3d a, Vec3d b, double radius, Vec3d motion,
+                                    double most) {
   const Vec3d axis = b - a;
   const bool sphere = squared(axis) == 0;
-  Vec3d on_shape = a, on_triangle;
-  if (sphere) {
-    on_triangle = nearest_point(t, a);
-  } else {
-    const NearestPair pair = nearest_pair(t, a, b);
-    on_shape = pair.on_segment, on_triangle = pair.on_triangle;
-  }
-  // Distance to a convex shape is convex along a line: who touches it and does not come nearer never will.
-  const Vec3d gap = on_shape - on_triangle;
-  const double distance = length(gap);
-  if (distance < radius - touching) return MovingHit{.point = {}, .normal = {}, .overlap = true};
-  if (distance <= radius + touching) {
-    if (distance == 0 || dot(motion, gap) >= -parallel * length(motion) * distance) return {};
-    return MovingHit{0, on_triangle, gap * (1 / distance)};
-  }
   const Vec3d n = t.cross();
   const double size = length(n);
   const Vec3d normal = size > 0 ? n * (1 / size) : Vec3d{};
-  Sweep sweep{.from = a, .motion = motion, .radius = radius, .point = {}};
+  // The height over the triangle's plane, of the end that is nearer to it, on the side where the shape is.
+  double lower = dot(a - t.v[0], normal), other = sphere ? lower : dot(b - t.v[0], normal);
+  const double side = lower + other < 0 ? -1 : 1;
+  Vec3d end = a;
+  lower *= side, other *= side;
+  if (other < lower) lower = other, end = b;
+  if (lower > radius + touching) {
+    const double speed = -side * dot(motion, normal);
+    if (!(speed > 0)) return {};
+    const double time = (lower - radius) / speed;
+    if (time > most) return {};
+    // The plane is met first; where that is inside the triangle, nothing else is met sooner.
+    const Vec3d at = end + motion * time - normal * (side * radius);
+    if (inside(t, at, n)) return MovingHit{time, at, normal * side};
+  } else if (const auto now = touched(t, a, b, radius, motion, sphere)) {
+    if (now->overlap || now->time <= most) return now;
+    return {};
+  }
+  Sweep sweep{.from = a, .motion = motion, .radius = radius, .best = most, .point = {}};
   if (sphere) {
-    if (size > 0) sweep.face(t.v, 3, normal);
     for (int i = 0; i < 3; ++i) {
       sweep.edge(t.v[i], t.v[(i + 1) % 3]);
       sweep.vertex(t.v[i]);
@@ -200,11 +226,11 @@ std::optional<MovingHit> moving_hit(const Triangle& t, Vec3d a, Vec3d b, double 
   } else {
     sweep_prism(t, normal, axis, sweep);
   }
-  if (!(sweep.best <= 1)) return {};
+  if (!sweep.met) return {};
   const Vec3d moved = motion * sweep.best;
-  if (sphere) return MovingHit{sweep.best, sweep.point, normalized(a + moved - sweep.point)};
-  const NearestPair pair = nearest_pair(t, a + moved, b + moved);
-  return MovingHit{sweep.best, pair.on_triangle, normalized(a + moved - sweep.point)};
+  const Vec3d toward = normalized(a + moved - sweep.point);
+  if (sphere) return MovingHit{sweep.best, sweep.point, toward};
+  return MovingHit{sweep.best, nearest_pair(t, a + moved, b + moved).on_triangle, toward};
 }
 
 double angle_at(const Triangle& t, Vec3d q, double tolerance) {

@@ -32,13 +32,14 @@ NearestPair nearest_pair(const Triangle& t, Vec3d a, Vec3d b);
 std::optional<double> ray_hit(const Triangle& t, Vec3d from, Vec3d along);
 
 /// When a sphere or a capsule that moves by `motion` first comes within `radius` of the triangle: a share of
-/// the motion in [0, 1].
+/// the motion of at most `most`.
 struct MovingHit {
   double time = 0;
   Vec3d point, normal;   ///< of contact; unit, from there towards the shape
   bool overlap = false;  ///< the shape is nearer than touching before it moves; only this is told then
 };
-std::optional<MovingHit> moving_hit(const Triangle& t, Vec3d a, Vec3d b, double radius, Vec3d motion);
+std::optional<MovingHit> moving_hit(const Triangle& t, Vec3d a, Vec3d b, double radius, Vec3d motion,
+                                    double most = 1);
 
 /// Angle that the triangle takes up around its point q, as a share of a full turn: a half on an edge.
 double angle_at(const Triangle& t, Vec3d q, double tolerance);
