@@ -1,6 +1,6 @@
-// A dab of radius 8 in a grid of 512 x 512 x 256 samples in chunks of 32^3: triangles and normals of all
-// touched chunks, by this program beside VTK's flying edges a chunk, in one process, dab by dab in turn since
-// machines drift. VTK's samples are laid out for it beforehand, out of the clock. Prints CSV.
+// Dabs of radius 8, in strokes, in a grid of 512 x 512 x 256 samples in chunks of 32^3: triangles and normals
+// of all touched chunks, by this program beside VTK's flying edges a chunk, in one process, dab by dab in
+// turn since machines drift. VTK's samples are laid out for it beforehand, out of the clock. Prints CSV.
 //
 //   bench_dab [DABS] [THREADS]
 //
@@ -40,6 +40,7 @@ using namespace tafoni;
 
 constexpr Vec3i size{512, 512, 256};
 constexpr double radius = 8, amplitude = 4;
+constexpr int stroke = 20;  ///< dabs, each within 6 of the one before
 constexpr int side = volume::ScalarGrid::chunk_samples;
 
 /// Of the calling thread, which a busy machine distorts less; of the wall where there are several threads.
@@ -180,8 +181,11 @@ int main(int argc, char** argv) {
 #endif
   Random random(1);
   std::uint64_t touched = 0;
+  double x = 0, y = 0;
   for (int dab = 0; dab < dabs; ++dab) {
-    const double x = random.uniform(20, size.x - 20), y = random.uniform(20, size.y - 20);
+    const bool first = dab % stroke == 0;
+    x = first ? random.uniform(20, size.x - 20) : std::clamp(x + random.uniform(-6, 6), 20.0, size.x - 20.0);
+    y = first ? random.uniform(20, size.y - 20) : std::clamp(y + random.uniform(-6, 6), 20.0, size.y - 20.0);
     const auto tool = volume::Tool::sphere({x, y, height(x, y) - random.uniform(-4, 4)}, radius);
     const auto what = dab % 2 ? volume::Edit::add : volume::Edit::remove;
     std::vector<mesh::GridMesher::Change> changes;

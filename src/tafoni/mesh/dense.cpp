@@ -60,10 +60,8 @@ struct DenseSink {
 /// The solid bits of every sample: an eighth of a byte each, so that the grid itself is streamed once.
 std::vector<std::uint64_t> all_signs(const DenseGrid& g) {
   const std::size_t words = static_cast<std::size_t>((g.nx + 63) / 64);
-  const std::size_t rows = static_cast<std::size_t>(g.ny) * static_cast<std::size_t>(g.nz);
-  std::vector<std::uint64_t> bits(words * rows);
-  for (std::size_t row = 0; row < rows; ++row)
-    impl::signs(g.samples + row * static_cast<std::size_t>(g.nx), g.nx, bits.data() + row * words);
+  std::vector<std::uint64_t> bits(words * static_cast<std::size_t>(g.ny) * static_cast<std::size_t>(g.nz));
+  impl::signs(g.samples, g.nx, g.ny * g.nz, bits.data());
   return bits;
 }
 

@@ -16,7 +16,7 @@ void BlockWalker::read_signs(const float* plane, std::ptrdiff_t row_step, const 
     if (known)
       std::copy_n(known + j * words_, words_, bits_.begin());
     else
-      signs(plane + j * row_step, nx_, bits_.data());
+      signs(plane + j * row_step, nx_, 1, bits_.data());
     RowWord* row = out.words.data() + j * words_;
     for (int w = 0; w < words_; ++w) {
       const auto at = static_cast<std::size_t>(w);

@@ -130,11 +130,11 @@ void GridChunkMaker::add_air(const Part& part) {
 
 void GridChunkMaker::update_bits() {
   const Vec3i n = block_.samples;
-  for (int k = changed_.planes.first; k <= changed_.planes.last; ++k)
-    for (int j = changed_.rows.first; j <= changed_.rows.last; ++j) {
-      const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(k) * n.y + j;
-      signs(samples_ + row * n.x, n.x, state_->solid.data() + row);
-    }
+  const int rows = changed_.rows.last - changed_.rows.first + 1;
+  for (int k = changed_.planes.first; k <= changed_.planes.last; ++k) {
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(k) * n.y + changed_.rows.first;
+    signs(samples_ + row * n.x, n.x, rows, state_->solid.data() + row);
+  }
 }
 
 /// Where each row's vertices will be.

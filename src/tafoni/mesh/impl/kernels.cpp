@@ -16,7 +16,7 @@ namespace tafoni::mesh::impl {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-void signs_kernel(const float* f, int samples, std::uint64_t* words) {
+HWY_INLINE void signs_of_row(const float* f, int samples, std::uint64_t* words) {
   const hn::ScalableTag<float> d;
   const auto zero = hn::Zero(d);
   const int lanes = static_cast<int>(hn::Lanes(d));
@@ -34,6 +34,11 @@ void signs_kernel(const float* f, int samples, std::uint64_t* words) {
     for (; i < end; ++i) word |= static_cast<std::uint64_t>(f[begin + i] > 0.0f) << i;
     *words++ = word;
   }
+}
+
+void signs_kernel(const float* f, int samples, int rows, std::uint64_t* words) {
+  for (int row = 0; row < rows; ++row, f += samples, words += (samples + 63) / 64)
+    signs_of_row(f, samples, words);
 }
 
 std::uint64_t differences_kernel(const std::uint64_t* a, const std::uint64_t* b, std::size_t words) {
@@ -223,7 +228,8 @@ void place_kernel(const Plane& plane, const EdgeKey* keys, std::size_t n, float*
   }
 }
 
-HWY_INLINE std::uint32_t* cells_of_word(const RowWord* r[4], std::uint64_t active, std::uint32_t* out) {
+HWY_INLINE std::uint32_t* cells_of_word(const RowWord* r[4], std::uint64_t active, const LaneCase* cases,
+                                        std::uint32_t* out) {
   const std::uint64_t bits[8] = {r[0]->x, r[1]->x, r[2]->x, r[3]->x, r[0]->y, r[2]->y, r[0]->z, r[1]->z};
   const std::uint32_t base[8] = {r[0]->x_base, r[1]->x_base, r[2]->x_base, r[3]->x_base,
                                  r[0]->y_base, r[2]->y_base, r[0]->z_base, r[1]->z_base};
@@ -240,7 +246,7 @@ HWY_INLINE std::uint32_t* cells_of_word(const RowWord* r[4], std::uint64_t activ
     for (int row = 0; row < 4; ++row)
       solid_corners |= static_cast<unsigned>(((r[row]->solid >> i) & 1) | (((r[row]->next >> i) & 1) << 1))
                        << (2 * row);
-    const LaneCase& c = lane_cases()[solid_corners];
+    const LaneCase& c = cases[solid_corners];
     for (int e = 0; e < c.indices; ++e) out[e] = lanes[c.lanes[e]];
     out += c.indices;
   }
@@ -250,12 +256,13 @@ HWY_INLINE std::uint32_t* cells_of_word(const RowWord* r[4], std::uint64_t activ
 std::size_t triangles_kernel(const RowWord* lower, const RowWord* upper, const std::uint64_t* cells, int rows,
                              int words, std::uint32_t* out, std::uint64_t& cut) {
   std::uint32_t* const begin = out;
+  const LaneCase* const cases = lane_cases();
   for (int at = 0; at < rows * words; ++at) {
     const RowWord* r[4] = {lower + at, lower + at + words, upper + at, upper + at + words};
     const std::uint64_t active = cut_cells(r, cells[at]);
     if (!active) continue;
     cut += static_cast<std::uint64_t>(__builtin_popcountll(active));
-    out = cells_of_word(r, active, out);
+    out = cells_of_word(r, active, cases, out);
   }
   return static_cast<std::size_t>(out - begin);
 }
@@ -290,8 +297,8 @@ const LaneCase* lane_cases() {
   return table.data();
 }
 
-void signs(const float* f, int samples, std::uint64_t* words) {
-  HWY_DYNAMIC_DISPATCH(signs_kernel)(f, samples, words);
+void signs(const float* f, int samples, int rows, std::uint64_t* words) {
+  HWY_DYNAMIC_DISPATCH(signs_kernel)(f, samples, rows, words);
 }
 
 std::uint64_t count_differences(const std::uint64_t* a, const std::uint64_t* b, std::size_t words) {

@@ -17,8 +17,9 @@ struct alignas(64) RowWord {
   std::uint32_t x_base = 0, y_base = 0, z_base = 0;
 };
 
-/// Bits of f > 0 of `samples` samples; the bits beyond them in the last word are 0.
-void signs(const float* f, int samples, std::uint64_t* words);
+/// Bits of f > 0 of `rows` rows of `samples` samples, one after the other; each row begins a word, and the
+/// bits beyond its samples are 0.
+void signs(const float* f, int samples, int rows, std::uint64_t* words);
 
 /// Number of places in which two runs of words differ.
 std::uint64_t count_differences(const std::uint64_t* a, const std::uint64_t* b, std::size_t words);

@@ -21,7 +21,7 @@ bool has_lane_popcount() {
 namespace {
 
 TAFONI_LANES inline std::uint32_t* cells_of_word(const RowWord* const r[4], std::uint64_t active,
-                                                 std::uint32_t* out) {
+                                                 const LaneCase* cases, std::uint32_t* out) {
   const auto bits = _mm512_set_epi64(static_cast<long long>(r[1]->z), static_cast<long long>(r[0]->z),
                                      static_cast<long long>(r[2]->y), static_cast<long long>(r[0]->y),
                                      static_cast<long long>(r[3]->x), static_cast<long long>(r[2]->x),
@@ -46,7 +46,7 @@ TAFONI_LANES inline std::uint32_t* cells_of_word(const RowWord* const r[4], std:
     const auto here = _mm512_test_epi64_mask(bits, at);
     const auto after = _mm256_mask_add_epi32(index, here, index, _mm256_set1_epi32(1));
     const auto lanes = _mm512_inserti64x4(_mm512_castsi256_si512(index), after, 1);
-    const LaneCase& c = lane_cases()[solid_corners];
+    const LaneCase& c = cases[solid_corners];
     const auto pick = _mm512_cvtepu8_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(c.lanes)));
     _mm512_storeu_si512(out, _mm512_permutexvar_epi32(pick, lanes));
     out += c.indices;
@@ -60,12 +60,13 @@ TAFONI_LANES std::size_t triangles_by_lanes(const RowWord* lower, const RowWord*
                                             const std::uint64_t* cells, int rows, int words,
                                             std::uint32_t* out, std::uint64_t& cut) {
   std::uint32_t* const begin = out;
+  const LaneCase* const cases = lane_cases();
   for (int at = 0; at < rows * words; ++at) {
     const RowWord* r[4] = {lower + at, lower + at + words, upper + at, upper + at + words};
     const std::uint64_t active = cut_cells(r, cells[at]);
     if (!active) continue;
     cut += static_cast<std::uint64_t>(_mm_popcnt_u64(active));
-    out = cells_of_word(r, active, out);
+    out = cells_of_word(r, active, cases, out);
   }
   return static_cast<std::size_t>(out - begin);
 }
