@@ -62,17 +62,18 @@ bool mixed(const field::CompiledField& field, const GridFrame& frame, double ban
   return *range_of.first<limit&& * range_of.second> - limit;
 }
 
-/// About how many chunks of samples are not one value.
+/// About how many chunks of samples are not one value, from a thousand columns of chunks at most.
 double chunks_with_surface(const field::CompiledField& field, const GridFrame& frame, double band,
                            Progress& progress) {
   constexpr int side = ScalarGrid::chunk_samples;
   const Vec3i n{(frame.size.x - 1) / side + 1, (frame.size.y - 1) / side + 1, (frame.size.z - 1) / side + 1};
   std::atomic<std::int64_t> count{0};
-  const std::int64_t columns = std::int64_t{n.x} * n.y;
+  const std::int64_t all = std::int64_t{n.x} * n.y, columns = std::min<std::int64_t>(all, 1024);
   progress.begin("size", static_cast<std::uint64_t>(columns), "columns");
   parallel_for(
       columns,
-      [&](std::int64_t i) {
+      [&](std::int64_t index) {
+        const std::int64_t i = index * all / columns;
         std::int64_t here = 0;
         for (int c = 0; c < n.z; ++c)
           here += mixed(field, frame, band,
@@ -81,7 +82,7 @@ double chunks_with_surface(const field::CompiledField& field, const GridFrame& f
       },
       progress);
   progress.end();
-  return static_cast<double>(count);
+  return static_cast<double>(count) * static_cast<double>(all) / static_cast<double>(columns);
 }
 
 }  // namespace
