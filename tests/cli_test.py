@@ -403,6 +403,7 @@ class Volumes(Case):
         self.assertEqual(info["greatest_m"], 4)
         self.assertLess(info["low"][0], 452000)
         self.assertIn("positive in rock", self.passes("info", "a.tvol"))
+        self.assertTrue(json.loads(self.passes("metrics", "a.tvol", "--json"))["closed"])
         points = "x,y,z\n452040,5528040,42\n452011,5528013,40\n452011,5528013,70\n"
         rows = self.passes("query", "a.tvol", "--points", "-", stdin=points).splitlines()[1:]
         self.assertEqual([float(row.split(",")[3]) > 0 for row in rows], [False, True, False])

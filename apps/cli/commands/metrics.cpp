@@ -11,6 +11,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/io/format.h"
+#include "tafoni/scene/mesh_scene.h"
 #include "tafoni/scene/sgm.h"
 
 namespace tafoni::cli {
@@ -181,7 +182,8 @@ int run_sgm(const Options& o, Console& console) {
 
 std::function<int(Console&)> setup(Args& args) {
   auto o = std::make_shared<Options>();
-  args.positional("MESH|SCENE", o->file, "Mesh file; with --sgm, a scene file or an elevation model, too");
+  args.positional("MESH|VOLUME|SCENE", o->file,
+                  "Mesh file or volume; with --sgm, a scene file or an elevation model, too");
   args.group("Grammar caves");
   args.flag("--sgm", o->sgm,
             "The seven measures of document 004, of a mesh or of a scene's grammar-cave layer");
@@ -196,7 +198,10 @@ std::function<int(Console&)> setup(Args& args) {
     if (o->sgm) return run_sgm(*o, console);
     if (o->csv || o->cube || !o->details.empty() || !o->layer.empty())
       fail(ErrorKind::usage, "--details, --cube, --layer and --csv go with --sgm");
-    const mesh::MeshMetrics m = mesh::metrics(io::read_mesh(o->file));
+    const mesh::MeshMetrics m =
+        mesh::metrics(io::can(o->file, io::Ability::read_volume)
+                          ? scene::mesh_scene(scene::build(open_document(o->file), console), console).mesh
+                          : io::read_mesh(o->file));
     console.result(console.json() ? json_of(m).dump(2) + "\n" : text_of(m));
     return 0;
   };
@@ -205,7 +210,7 @@ std::function<int(Console&)> setup(Args& args) {
 }  // namespace
 
 const Command& command_metrics() {
-  static const Command command = {"metrics", "Measure a mesh: area, volume, genus, bounds, edges",
+  static const Command command = {"metrics", "Measure a mesh or a volume: area, volume, genus, bounds, edges",
                                   "  tafoni metrics terrain.glb --json\n"
                                   "  tafoni metrics --sgm scene.toml --details 1..32 --csv",
                                   setup};

@@ -17,27 +17,28 @@ constexpr float far_away = 1e4f;
 
 /// Maps [-band, band] to [-T, T]: as it is near 0, so that the surface stays where it is, then stretched.
 /// Else rock within a narrow band would be no deeper than the band, and later layers would carve into what is
-/// solid.
+/// solid. Leaves values as they are where the band is no narrower than T.
 class Stretch {
  public:
   Stretch(float band, float amplitude)
-      : band_(std::min(band, amplitude)),
-        knee_(band < amplitude ? 0.75f * band : amplitude),
-        slope_(band < amplitude && band > 0 ? (amplitude - knee_) / (band - knee_) : 0),
+      : narrow_(band < amplitude),
+        band_(band),
+        knee_(0.75f * band),
+        slope_(band > 0 ? (amplitude - knee_) / (band - knee_) : 0),
         amplitude_(amplitude) {}
 
   float operator()(float v) const {
     const float a = std::abs(v);
-    if (a <= knee_ && a < band_) return v;
-    const float out = a >= band_ ? amplitude_ : std::min(knee_ + (a - knee_) * slope_, amplitude_);
-    return std::copysign(out, v);
+    if (!narrow_ || a <= knee_) return v;
+    return std::copysign(a < band_ ? std::min(knee_ + (a - knee_) * slope_, amplitude_) : amplitude_, v);
   }
   float slope(float v) const {
     const float a = std::abs(v);
-    return a >= band_ ? 0 : a <= knee_ ? 1 : slope_;
+    return !narrow_ || a <= knee_ ? 1 : a < band_ ? slope_ : 0;
   }
 
  private:
+  bool narrow_;
   float band_, knee_, slope_, amplitude_;
 };
 
