@@ -187,6 +187,11 @@ class PrismFunction final : public field::Function {
   }
 
   Interval range(std::int32_t at, double lo, double hi) const;
+  double clear_of_walls(std::int32_t at, double lo, double hi) const;
+  /// One over the secant of a slope that rises by `rise` over a cell at most.
+  double flatness(double rise) const {
+    return 1 / std::sqrt(1 + rise * rise * (1 / (frame_.dx * frame_.dx) + 1 / (frame_.dy * frame_.dy)));
+  }
   void find_walls();
   void add_wall(int i, int j, const Slab& slab, std::size_t a, std::size_t b, std::int32_t beyond);
   void summarize();
@@ -202,6 +207,7 @@ class PrismFunction final : public field::Function {
   std::vector<bool> near_walls_;           ///< by cell: it or one around has walls
   std::vector<float> highest_;             ///< top of each tile of tile_cells x tile_cells cells
   int tiles_x_ = 0;
+  double flattest_ = 1;  ///< no plane of a top or bottom is steeper
 };
 
 void PrismFunction::add_wall(int i, int j, const Slab& slab, std::size_t a, std::size_t b,
@@ -257,13 +263,23 @@ void PrismFunction::summarize() {
   highest_.assign(static_cast<std::size_t>(tiles_x_) * static_cast<std::size_t>(tiles_y), -1e30f);
   for (int j = 0; j < cells_y_; ++j)
     for (int i = 0; i < cells_x_; ++i)
-      for (const Slab& slab : slabs(cell(i, j)))
+      for (const Slab& slab : slabs(cell(i, j))) {
+        for (const auto* side : {&slab.top, &slab.bottom}) {
+          double low = 1e30, top = -1e30;
+          for (std::size_t k = 0; k < 4; ++k) {
+            if (!(slab.corners >> k & 1) || (*side)[k] == endless) continue;
+            low = std::min(low, static_cast<double>((*side)[k]));
+            top = std::max(top, static_cast<double>((*side)[k]));
+          }
+          if (low < top) flattest_ = std::min(flattest_, flatness(top - low));
+        }
         for (std::size_t k = 0; k < 4; ++k) {
           float& high =
               highest_[static_cast<std::size_t>(j / tile_cells) * static_cast<std::size_t>(tiles_x_) +
                        static_cast<std::size_t>(i / tile_cells)];
           if (slab.corners >> k & 1) high = std::max(high, slab.top[k]);
         }
+      }
 }
 
 /// Cell by cell: matter that fills the box there, or air that does; else both.
@@ -280,14 +296,16 @@ Interval PrismFunction::range(const Box3d& box) const {
   const bool beyond = x0 < 0 || y0 < 0 || x1 > cells_x_ * frame_.dx || y1 > cells_y_ * frame_.dy;
   const int i0 = index(x0, frame_.dx, cells_x_), i1 = index(x1, frame_.dx, cells_x_);
   const int j0 = index(y0, frame_.dy, cells_y_), j1 = index(y1, frame_.dy, cells_y_);
-  bool high = true;
-  for (int tj = j0 / tile_cells; tj <= j1 / tile_cells && high; ++tj)
+  // Over all ground no cell need be asked.
+  double highest = -1e30;
+  for (int tj = j0 / tile_cells; tj <= j1 / tile_cells; ++tj)
     for (int ti = i0 / tile_cells; ti <= i1 / tile_cells; ++ti)
-      high = high && lo > static_cast<double>(
-                              highest_[static_cast<std::size_t>(tj) * static_cast<std::size_t>(tiles_x_) +
-                                       static_cast<std::size_t>(ti)]) +
-                              reach_;
-  if (high) return {all.lo, 0};
+      highest = std::max(
+          highest,
+          static_cast<double>(highest_[static_cast<std::size_t>(tj) * static_cast<std::size_t>(tiles_x_) +
+                                       static_cast<std::size_t>(ti)]));
+  if (lo > highest + reach_)
+    return {all.lo, static_cast<float>(-std::min(reach_, (lo - highest) * flattest_) * (1 - 1e-5))};
   double least = reach_, most = -reach_;
   for (int j = j0; j <= j1; ++j)
     for (int i = i0; i <= i1; ++i) {
@@ -297,7 +315,6 @@ Interval PrismFunction::range(const Box3d& box) const {
       if (least < 0 && most > 0) return all;
     }
   if (beyond && most > 0) return all;
-  if (beyond) most = 0;
   // Rounding in value() must not step out.
   const double slack = 1e-5 * reach_;
   return {static_cast<float>(least > 0 ? std::max(0.0, least - slack) : -reach_),
@@ -318,9 +335,6 @@ Interval PrismFunction::range(std::int32_t at, double lo, double hi) const {
       bottom_lo = std::min(bottom_lo, static_cast<double>(slab.bottom[k]));
       bottom_hi = std::max(bottom_hi, static_cast<double>(slab.bottom[k]));
     }
-    const auto flatness = [&](double rise) {
-      return 1 / std::sqrt(1 + rise * rise * (1 / (frame_.dx * frame_.dx) + 1 / (frame_.dy * frame_.dy)));
-    };
     const double flat_top = flatness(top_hi - top_lo), flat_bottom = flatness(bottom_hi - bottom_lo);
     if (lo > top_hi)
       most = std::max(most, -(lo - top_hi) * flat_top);
@@ -334,8 +348,25 @@ Interval PrismFunction::range(std::int32_t at, double lo, double hi) const {
     }
   }
   const bool walls = near_walls_[static_cast<std::size_t>(at)];
+  if (!filled && walls) return {-r, static_cast<float>(-clear_of_walls(at, lo, hi))};
   if (filled) return {walls ? 0 : static_cast<float>(std::min(depth, reach_)), r};
-  return {-r, walls ? 0 : static_cast<float>(most)};
+  return {-r, static_cast<float>(most)};
+}
+
+/// At least so far above or below all slabs of the cell and those around it, and no farther than the cell's
+/// own slabs make it seem.
+double PrismFunction::clear_of_walls(std::int32_t at, double lo, double hi) const {
+  double lowest = 1e30, highest = -1e30;
+  const int i = at % cells_x_, j = at / cells_x_;
+  for (int b = std::max(0, j - 1); b <= std::min(j + 1, cells_y_ - 1); ++b)
+    for (int a = std::max(0, i - 1); a <= std::min(i + 1, cells_x_ - 1); ++a)
+      for (const Slab& slab : slabs(cell(a, b)))
+        for (std::size_t k = 0; k < 4; ++k) {
+          if (!(slab.corners >> k & 1)) continue;
+          lowest = std::min(lowest, static_cast<double>(slab.bottom[k]));
+          highest = std::max(highest, static_cast<double>(slab.top[k]));
+        }
+  return std::min(reach_, std::max({0.0, lo - highest, lowest - hi}) * flattest_);
 }
 
 }  // namespace

@@ -201,6 +201,19 @@ TEST(PrismFunction, RangesEncloseAndPrune) {
   EXPECT_GT(pruned, boxes / 4);
 }
 
+// Else a tree of the leaf alone would have no end.
+TEST(PrismFunction, IsAirFarAway) {
+  Random random(34);
+  for (int round = 0; round < 5; ++round) {
+    const field::FunctionPtr f = as_function(dug(random, 10 * round), {.reach = 3});
+    for (const Vec3d way : {Vec3d{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) {
+      const Vec3d at = Vec3d{10, 5, 12} + way * 60;
+      const Interval range = f->range({at - Vec3d{20, 20, 20}, at + Vec3d{20, 20, 20}});
+      EXPECT_LT(range.hi, 0) << way.x << ", " << way.y << ", " << way.z;
+    }
+  }
+}
+
 // From one side of a wall or a slab to the other nothing jumps: the value is small beside every change of
 // sign.
 TEST(PrismFunction, ChangesSignAtSmallValues) {
