@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/impl/burrows.h"
@@ -161,7 +162,6 @@ class Hive {
     }
     if (best <= -1e30) return false;
     rooms_.push_back(room_of(lattice, s));
-    hollow_.add(rooms_.back().chamber);
     return true;
   }
 
@@ -200,10 +200,17 @@ class Hive {
     });
   }
 
+  /// A door is for one way: two would part in height before they part in place.
   bool dig(const WayEnd& from, const WayEnd& to) {
     progress_.check();
+    const auto is_taken = [&](const WayEnd& end) {
+      return std::find(taken_.begin(), taken_.end(), end.floor) != taken_.end();
+    };
+    if (is_taken(from) || is_taken(to)) return false;
     auto way = burrows_.way(from, to, random_.next(), [&](Vec3d p) { return in_a_room(p, from, to); });
     if (!way) return false;
+    burrows_.keep_off(*way);
+    taken_.insert(taken_.end(), {from.floor, to.floor});
     hollow_.add(std::move(*way));
     return true;
   }
@@ -216,21 +223,26 @@ class Hive {
     std::stable_sort(pairs.begin(), pairs.end(), [](const auto& p, const auto& q) {
       return length(p.first->floor - p.second->floor) < length(q.first->floor - q.second->floor);
     });
-    return std::any_of(pairs.begin(), pairs.begin() + 6,
+    return std::any_of(pairs.begin(), pairs.begin() + 9,
                        [&](const auto& pair) { return dig(*pair.first, *pair.second); });
   }
 
-  /// Each to the nearest before it, and a loop.
+  /// Each to the nearest before it, and a loop. A room to which no way leads is not dug.
   void join_rooms() {
-    for (std::size_t i = 1; i < rooms_.size(); ++i) {
-      std::vector<std::size_t> order(i);
-      for (std::size_t k = 0; k < i; ++k) order[k] = k;
-      std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return length(rooms_[a].stand - rooms_[i].stand) < length(rooms_[b].stand - rooms_[i].stand);
+    const std::vector<Room> placed = std::exchange(rooms_, {});
+    for (const Room& room : placed) {
+      std::vector<const Room*> order;
+      for (const Room& other : rooms_) order.push_back(&other);
+      std::stable_sort(order.begin(), order.end(), [&](const Room* a, const Room* b) {
+        return length(a->stand - room.stand) < length(b->stand - room.stand);
       });
-      std::any_of(order.begin(), order.end(), [&](std::size_t k) { return join(rooms_[i], rooms_[k]); });
+      if (!rooms_.empty() &&
+          std::none_of(order.begin(), order.end(), [&](const Room* other) { return join(room, *other); }))
+        continue;
+      rooms_.push_back(room);
     }
     if (rooms_.size() > 2) join(rooms_.front(), rooms_.back());
+    for (const Room& room : rooms_) hollow_.add(room.chamber);
   }
 
   /// Mouths are far from one another if there is a choice.
@@ -259,7 +271,7 @@ class Hive {
       return length(a->floor - mouth.ground) < length(b->floor - mouth.ground);
     });
     if (dot(doors.front()->floor - mouth.ground, mouth.inward) < 0) return false;
-    return std::any_of(doors.begin(), doors.begin() + std::min<std::ptrdiff_t>(4, std::ssize(doors)),
+    return std::any_of(doors.begin(), doors.begin() + std::min<std::ptrdiff_t>(6, std::ssize(doors)),
                        [&](const WayEnd* door) { return dig(from, *door); });
   }
 
@@ -272,6 +284,7 @@ class Hive {
   impl::Hollow hollow_;
   std::vector<Room> rooms_;
   std::vector<Vec3d> opened_;
+  std::vector<Vec3d> taken_;  ///< doors and mouths, by their floors
 };
 
 /// The square that it takes: about the user's point, or where heights differ most.

@@ -73,7 +73,7 @@ void dig_random(const Ground& ground, const Params& p, impl::Hollow& hollow, Pro
   s.cover = p.cover;
   s.lowest = ground.box().lo.z + p.radius;
   s.seed = ground.site().seed;
-  const impl::Burrows burrows(ground, s, progress);
+  impl::Burrows burrows(ground, s, progress);
   const auto& mouths = burrows.mouths();
   std::vector<bool> taken(mouths.size());
   std::int64_t left = p.count;
@@ -90,6 +90,7 @@ void dig_random(const Ground& ground, const Params& p, impl::Hollow& hollow, Pro
       auto way = burrows.way(burrows.end_of(mouths[i]), burrows.end_of(mouths[j]),
                              hash_combine(s.seed, i * mouths.size() + j));
       if (!way) continue;
+      burrows.keep_off(*way);
       hollow.add(std::move(*way));
       taken[i] = taken[j] = true;
       for (std::size_t k = 0; k < mouths.size(); ++k)
@@ -104,6 +105,7 @@ void dig_random(const Ground& ground, const Params& p, impl::Hollow& hollow, Pro
     const impl::WayEnd to{from.floor + mouths[i].inward * (20 * p.radius), -mouths[i].inward, p.radius,
                           false};
     if (auto way = burrows.way(from, to, hash_combine(s.seed, i))) {
+      burrows.keep_off(*way);
       hollow.add(std::move(*way));
       --left;
       for (std::size_t k = 0; k < mouths.size(); ++k)

@@ -157,7 +157,40 @@ std::optional<volume::Tunnel> Burrows::attempt(const WayEnd& from, const WayEnd&
     if (p.position.z - r < s_.lowest || !ground_.usable(p.position)) return {};
     if (avoid && avoid(p.position)) return {};
   }
+  if (crosses(made, from, to)) return {};
   return made;
+}
+
+void Burrows::keep_off(const volume::Tunnel& dug) {
+  dug_.insert(dug_.end(), dug.axis.begin(), dug.axis.end());
+}
+
+bool Burrows::crosses(const volume::Tunnel& way, const WayEnd& from, const WayEnd& to) const {
+  const auto at_end = [&](Vec3d p) {
+    for (const WayEnd* end : {&from, &to})
+      if (std::hypot(p.x - end->floor.x, p.y - end->floor.y) < end->straight) return true;
+    return false;
+  };
+  // Level crossings are welcome.
+  const auto over = [&](const volume::AxisPoint& a, const volume::AxisPoint& b) {
+    const Vec3d d = a.position - b.position;
+    const double both = a.radius + b.radius, up = std::abs(d.z);
+    return std::hypot(d.x, d.y) < both + 0.5 && up > 0.1 * s_.radius && up < both + 1;
+  };
+  double along = 0;
+  std::vector<double> place;
+  for (std::size_t i = 0; i < way.axis.size(); ++i) {
+    const volume::AxisPoint& a = way.axis[i];
+    if (i > 0) along += length(a.position - way.axis[i - 1].position);
+    place.push_back(along);
+    if (!at_end(a.position) &&
+        std::any_of(dug_.begin(), dug_.end(), [&](const auto& b) { return over(a, b); }))
+      return true;
+    // Nor over itself.
+    for (std::size_t j = 0; j < i && along - place[j] > 4 * s_.radius; ++j)
+      if (over(a, way.axis[j])) return true;
+  }
+  return false;
 }
 
 std::optional<volume::Tunnel> Burrows::way(const WayEnd& from, const WayEnd& to, std::uint64_t seed,

@@ -46,6 +46,8 @@ class Burrows {
   WayEnd end_of(const Mouth& mouth) const;
   /// Local z of the lowest roof of rock within `around` of a place: below it all is rock. -1e30 off the area.
   double roof(double x, double y, double around) const;
+  /// Later ways do not cross this one where one would fall from floor to floor.
+  void keep_off(const volume::Tunnel& dug);
   /// A tunnel that stays under the ground but at open ends, off what `avoid` says, and can be walked;
   /// windings are added where it would be too steep. None where there is no such way.
   std::optional<volume::Tunnel> way(const WayEnd& from, const WayEnd& to, std::uint64_t seed,
@@ -55,6 +57,7 @@ class Burrows {
   void look_for_roofs();
   void look_for_mouths(Progress& progress);
   bool good(const Mouth& mouth) const;
+  bool crosses(const volume::Tunnel& way, const WayEnd& from, const WayEnd& to) const;
   std::optional<volume::Tunnel> attempt(const WayEnd& from, const WayEnd& to, std::uint64_t seed,
                                         double lengthen, const std::function<bool(Vec3d)>& avoid) const;
 
@@ -63,6 +66,7 @@ class Burrows {
   field::CompiledField field_;
   raster::Raster roofs_;
   std::vector<Mouth> mouths_;
+  std::vector<volume::AxisPoint> dug_;
 };
 
 }  // namespace tafoni::landforms::impl
