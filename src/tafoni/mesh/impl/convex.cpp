@@ -71,9 +71,25 @@ ConvexPieces join(const CellCase& c, const std::vector<Diagonal>& all, int merge
   return out;
 }
 
+/// The corners of the two triangles beside a diagonal, around them; its ends are the first and the third.
+using Quad = std::array<std::uint8_t, 4>;
+
+Quad quad(const CellCase& c, const Diagonal& d) {
+  const auto edge = [&](std::size_t t, std::size_t corner) { return c.edges[3 * t + corner % 3]; };
+  const auto place = [](std::size_t t, std::size_t corner) {
+    return static_cast<std::uint8_t>(3 * t + corner % 3);
+  };
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      if (edge(d.a, i) == edge(d.b, j + 1) && edge(d.a, i + 1) == edge(d.b, j))
+        return {place(d.a, i), place(d.b, j + 2), place(d.a, i + 1), place(d.a, i + 2)};
+  return {};
+}
+
 struct Table {
   std::vector<ConvexPieces> pieces = std::vector<ConvexPieces>(256 * merges);
   std::array<int, 256> diagonals{};
+  std::array<std::array<Quad, 4>, 256> quads{};
   std::array<std::uint8_t, merges> order{};  ///< merges of most diagonals first
 
   Table() {
@@ -86,6 +102,7 @@ struct Table {
       diagonals[solid] = static_cast<int>(all.size());
       for (int m = 0; m < 1 << all.size(); ++m)
         pieces[solid * merges + static_cast<std::size_t>(m)] = join(c, all, m);
+      for (std::size_t d = 0; d < all.size(); ++d) quads[solid][d] = quad(c, all[d]);
     }
   }
 };
@@ -96,19 +113,31 @@ const Table& table() {
 }
 
 bool convex_and_planar(const Vec3d* p, std::size_t n, double tolerance) {
-  Vec3d area, middle;
+  Vec3d spokes[7];
+  for (std::size_t i = 0; i < n; ++i) spokes[i] = p[i] - p[0];
+  Vec3d normal = cross(spokes[1], spokes[2]);
+  for (std::size_t i = 2; i + 1 < n; ++i) normal += cross(spokes[i], spokes[i + 1]);
+  double heights[7], middle = 0;
+  Vec3d side = p[0] - p[n - 1];
   for (std::size_t i = 0; i < n; ++i) {
-    area += cross(p[i] - p[0], p[(i + 1) % n] - p[0]);
-    middle += p[i];
+    const Vec3d next = p[i + 1 < n ? i + 1 : 0] - p[i];
+    if (!(dot(cross(side, next), normal) >= 0)) return false;
+    side = next;
+    heights[i] = dot(spokes[i], normal);
+    middle += heights[i];
   }
-  const Vec3d normal = normalized(area);
-  middle = middle * (1.0 / static_cast<double>(n));
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!(std::abs(dot(normal, p[i] - middle)) <= tolerance)) return false;
-    const Vec3d in = p[(i + 1) % n] - p[i], out = p[(i + 2) % n] - p[(i + 1) % n];
-    if (!(dot(cross(in, out), normal) >= 0)) return false;
-  }
-  return true;
+  middle /= static_cast<double>(n);
+  const double most = tolerance * tolerance * dot(normal, normal);
+  return std::all_of(heights, heights + n, [&](double h) { return (h - middle) * (h - middle) <= most; });
+}
+
+/// False where the corners of a convex polygon, four of them in order, cannot all be so near one plane: its
+/// diagonals pass each other at more than twice the tolerance. A quick test that spares most voxels the rest.
+bool may_be_planar(Vec3f a, Vec3f b, Vec3f c, Vec3f d, double tolerance) {
+  const Vec3d p = to_double(c) - to_double(a), q = to_double(d) - to_double(b);
+  const Vec3d normal = cross(p, q);
+  const double apart = dot(to_double(b) - to_double(a), normal), most = 2.0001 * tolerance;
+  return apart * apart <= most * most * dot(normal, normal);
 }
 
 }  // namespace
@@ -118,8 +147,15 @@ const ConvexPieces& convex_pieces(int solid, int merge) {
 }
 
 int best_merge(int solid, const std::uint32_t* triangles, const Vec3f* positions, double tolerance) {
-  const int diagonals = table().diagonals[static_cast<std::size_t>(solid)];
-  if (diagonals == 0) return 0;
+  const Table& t = table();
+  const int diagonals = t.diagonals[static_cast<std::size_t>(solid)];
+  int possible = 0;
+  for (int d = 0; d < diagonals; ++d) {
+    const Quad& q = t.quads[static_cast<std::size_t>(solid)][static_cast<std::size_t>(d)];
+    const auto corner = [&](std::size_t i) { return positions[triangles[q[i]]]; };
+    possible |= may_be_planar(corner(0), corner(1), corner(2), corner(3), tolerance) << d;
+  }
+  if (possible == 0) return 0;
   enum : std::uint8_t { unknown, good, bad };
   std::uint8_t known[32] = {};
   const auto fits = [&](const ConvexPieces& pieces, int piece) {
@@ -133,8 +169,8 @@ int best_merge(int solid, const std::uint32_t* triangles, const Vec3f* positions
     }
     return state == good;
   };
-  for (int merge : table().order) {
-    if (merge >= 1 << diagonals) continue;
+  for (int merge : t.order) {
+    if ((merge & ~possible) != 0) continue;
     const ConvexPieces& pieces = convex_pieces(solid, merge);
     int piece = 0;
     while (piece < pieces.count && fits(pieces, piece)) ++piece;
