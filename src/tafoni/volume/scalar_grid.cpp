@@ -48,6 +48,7 @@ struct ScalarGrid::State {
   Precision precision;
   Vec3i chunks;
   std::vector<Slot> slots;
+  double per_metre;
 
   std::size_t slot_index(Vec3i c) const {
     return (static_cast<std::size_t>(c.z) * chunks.y + c.y) * static_cast<std::size_t>(chunks.x) + c.x;
@@ -61,7 +62,7 @@ struct ScalarGrid::State {
 
   CellPoint locate(Vec3d p) const {
     const auto axis = [&](double x, double o, int n, int& cell, float& t) {
-      const double u = (x - o) / frame.spacing;
+      const double u = (x - o) * per_metre;
       cell = cell_of(u, n);
       t = static_cast<float>(std::min(std::max(u - cell, 0.0), 1.0));
     };
@@ -86,9 +87,21 @@ struct ScalarGrid::State {
       return;
     }
     const Slot& slot = slot_of(cell);
+    const GridChunk* chunk = slot.chunk.get();
     const int first = GridChunk::index(in.x, in.y, in.z);
-    for (int row = 0; row < 4; ++row)
-      read_row(slot, first + (row & 1) * side + (row >> 1) * side * side, 2, out + 2 * row);
+    const auto fetch = [&](const auto& sample) {
+      constexpr int rows[] = {0, side, side * side, side * side + side};
+      for (int row = 0; row < 4; ++row) {
+        out[2 * row] = sample(first + rows[row]);
+        out[2 * row + 1] = sample(first + rows[row] + 1);
+      }
+    };
+    if (!chunk)
+      std::fill_n(out, 8, slot.value);
+    else if (const float* single = chunk->single.get())
+      fetch([single](int i) { return single[i]; });
+    else
+      fetch([half = chunk->half.get()](int i) { return from_half(half[i]); });
   }
 
   float value(Vec3d p) const {
@@ -126,7 +139,7 @@ struct ScalarGrid::State {
 
   /// The samples that value() reads for points of the box.
   SampleBox samples_for(const Box3d& box) const {
-    const auto first = [&](double x, double o, int n) { return cell_of((x - o) / frame.spacing, n); };
+    const auto first = [&](double x, double o, int n) { return cell_of((x - o) * per_metre, n); };
     const Vec3d o = frame.origin;
     const Vec3i n = frame.size;
     return {{first(box.lo.x, o.x, n.x), first(box.lo.y, o.y, n.y), first(box.lo.z, o.z, n.z)},
@@ -142,6 +155,29 @@ struct ScalarGrid::State {
       for (int b = inside.lo.y >> shift; b <= inside.hi.y >> shift; ++b)
         for (int a = inside.lo.x >> shift; a <= inside.hi.x >> shift; ++a)
           visit(Vec3i{a, b, c}, common(inside, samples_of({a, b, c})));
+  }
+
+  /// Of some samples of one block.
+  static void block_range(const GridChunk& chunk, const SampleBox& part, Interval& range) {
+    constexpr int most = impl::block_side;
+    float halves[most], lo[most], hi[most];
+    std::fill_n(lo, most, range.lo);
+    std::fill_n(hi, most, range.hi);
+    const int n = part.size().x;
+    for (int k = part.lo.z; k <= part.hi.z; ++k)
+      for (int j = part.lo.y; j <= part.hi.y; ++j) {
+        const int first = GridChunk::index(part.lo.x, j, k);
+        const float* row = halves;
+        if (chunk.single)
+          row = chunk.single.get() + first;
+        else
+          for (int i = 0; i < n; ++i) halves[i] = from_half(chunk.half[first + i]);
+        for (int i = 0; i < n; ++i) {
+          lo[i] = std::min(lo[i], row[i]);
+          hi[i] = std::max(hi[i], row[i]);
+        }
+      }
+    range = {*std::min_element(lo, lo + n), *std::max_element(hi, hi + n)};
   }
 
   /// Of samples of one full chunk. Blocks that are not wholly in it count whole unless `exact`.
@@ -160,12 +196,7 @@ struct ScalarGrid::State {
                 chunk.ranges[static_cast<std::size_t>((z * impl::blocks_side + y) * impl::blocks_side + x)]);
             continue;
           }
-          for (int k = both.lo.z; k <= both.hi.z; ++k)
-            for (int j = both.lo.y; j <= both.hi.y; ++j)
-              for (int i = both.lo.x; i <= both.hi.x; ++i) {
-                const float v = chunk.at(GridChunk::index(i, j, k));
-                expand(range, {v, v});
-              }
+          block_range(chunk, both, range);
         }
   }
 };
@@ -183,7 +214,8 @@ ScalarGrid::ScalarGrid(const GridFrame& frame, float value, Precision precision)
   const auto count = [](int samples) { return (samples - 1) / side + 1; };
   float row[1] = {value};
   round_row(precision, row);
-  state_ = std::make_unique<State>(State{frame, precision, {count(n.x), count(n.y), count(n.z)}, {}});
+  state_ = std::make_unique<State>(
+      State{frame, precision, {count(n.x), count(n.y), count(n.z)}, {}, 1 / frame.spacing});
   const Vec3i c = state_->chunks;
   state_->slots.assign(static_cast<std::size_t>(c.x) * c.y * static_cast<std::size_t>(c.z), {{}, row[0]});
 }
