@@ -11,44 +11,14 @@
 #include "tafoni/core/random.h"
 #include "tafoni/runtime/impl/bytes.h"
 #include "tafoni/runtime/impl/ground.h"
+#include "tafoni/runtime/impl/history.h"
 #include "tafoni/runtime/impl/snapshot_state.h"
 #include "tafoni/runtime/impl/state_hash.h"
-#include "tafoni/volume/edit.h"
 
 namespace tafoni::runtime {
 namespace {
 
 using volume::SampleBox;
-using volume::ScalarGrid;
-
-/// Makes the edit, given in world positions, in a grid whose local zero lies at `origin`.
-class Editor {
- public:
-  Editor(ScalarGrid& grid, Vec3d origin, double band) : grid_(grid), origin_(origin), band_(band) {}
-
-  SampleBox operator()(const ToolUse& use) const {
-    volume::ToolData data = use.tool.data();
-    for (Vec3d& p : data.points) p -= origin_;
-    return volume::apply(grid_, volume::Tool::from(data), use.edit, band_);
-  }
-  SampleBox operator()(const Explosion& e) const {
-    return volume::explode(grid_, e.center - origin_, e.radius, e.energy, band_);
-  }
-  SampleBox operator()(const Radial& r) const {
-    const auto last = static_cast<double>(r.change.size() - 1);
-    const auto change = [&](double share) {
-      const double at = share * last;
-      const std::size_t i = std::min(static_cast<std::size_t>(at), r.change.size() - 2);
-      return r.change[i] + (r.change[i + 1] - r.change[i]) * (at - static_cast<double>(i));
-    };
-    return volume::add_radial(grid_, r.center - origin_, r.radius, change, band_);
-  }
-
- private:
-  ScalarGrid& grid_;
-  Vec3d origin_;
-  double band_;
-};
 
 struct ChunkOrder {
   bool operator()(Vec3i a, Vec3i b) const { return std::tie(a.y, a.x, a.z) < std::tie(b.y, b.x, b.z); }
@@ -123,7 +93,7 @@ struct DestructibleTerrain::Impl {
   bool mesher_in_step = true;  ///< its meshes are those of the published snapshot
   impl::StateHash hash;
   Digest base;
-  std::vector<Message> edits;
+  impl::History history;
   std::optional<JournalWriter> journal;
 
   /// Held for moments only; taken after edit_mutex where both are.
@@ -136,7 +106,9 @@ DestructibleTerrain::Impl::Impl(impl::Ground opened, const TerrainSettings& sett
     : ground(std::move(opened)),
       mesher({ground.boundary, settings.polygons}),
       hash(ground.grid),
-      base(digest_of(ground, hash.of(ground.grid))) {
+      base(digest_of(ground, hash.of(ground.grid))),
+      history(settings.rewind) {
+  history.remember(ground.grid);
   const MeshChanges changes = mesher.update(ground.grid, {}, progress);
   publish(next(changes, 1), changes);
 }
@@ -172,33 +144,34 @@ void DestructibleTerrain::Impl::apply(std::span<const Message> messages, Progres
 
   std::vector<SampleBox> changed;
   try {
-    const Editor editor(ground.grid, ground.origin, ground.band);
-    for (const Operation& operation : operations) {
-      const SampleBox box = std::visit(editor, operation);
-      if (!box.empty()) changed.push_back(box);
+    const impl::Editor editor(ground.grid, ground.origin, ground.band, history);
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      const std::vector<SampleBox> boxes = std::visit(editor, operations[i]);
+      history.add(messages[i], boxes);
+      changed.insert(changed.end(), boxes.begin(), boxes.end());
       progress.check();
     }
     const MeshChanges changes =
         changed.empty() ? MeshChanges() : mesher.update(ground.grid, changed, progress);
     SnapshotPtr now = next(changes, messages.size());
-    edits.insert(edits.end(), messages.begin(), messages.end());
     if (journal)
       for (const Message& message : messages) journal->append(message);
     publish(std::move(now), changes);
   } catch (...) {
     mesher_in_step = false;
-    edits.resize(static_cast<std::size_t>(last->version() - 1));
+    history.cut(static_cast<std::size_t>(last->version() - 1));
     ground.grid = last->grid();
     throw;
   }
+  history.remember(ground.grid);
   for (const SampleBox& box : changed) hash.touch(box);
 }
 
 void DestructibleTerrain::Impl::replay(const JournalContents& contents, const std::filesystem::path& file,
                                        Progress& progress) {
-  if (!edits.empty())
+  if (!history.edits().empty())
     fail(ErrorKind::usage, "{}: a journal is replayed on a terrain without edits, and this one has {}",
-         file.string(), edits.size());
+         file.string(), history.edits().size());
   if (contents.base != base)
     fail(ErrorKind::input,
          "{}: belongs to another terrain, or to this one with another voxel size, precision or band",
@@ -262,14 +235,14 @@ DestructibleTerrain::State DestructibleTerrain::state() const {
 
 std::vector<Message> DestructibleTerrain::edits_since(std::uint64_t version) const {
   const std::lock_guard lock(impl_->edit_mutex);
-  const auto& edits = impl_->edits;
+  const auto& edits = impl_->history.edits();
   const std::uint64_t first = std::clamp<std::uint64_t>(version, 1, edits.size() + 1) - 1;
   return {edits.begin() + static_cast<std::ptrdiff_t>(first), edits.end()};
 }
 
 void DestructibleTerrain::save(const std::filesystem::path& journal) const {
   const std::lock_guard lock(impl_->edit_mutex);
-  write_journal(journal, impl_->base, impl_->edits);
+  write_journal(journal, impl_->base, impl_->history.edits());
 }
 
 std::uint64_t DestructibleTerrain::replay(const std::filesystem::path& journal, Progress& progress) {
@@ -285,7 +258,7 @@ void DestructibleTerrain::record(const std::filesystem::path& journal, Progress&
   if (std::filesystem::exists(journal, ignored))
     impl_->replay(read_journal(journal), journal, progress);
   else
-    write_journal(journal, impl_->base, impl_->edits);
+    write_journal(journal, impl_->base, impl_->history.edits());
   impl_->journal.emplace(journal, read_journal(journal));
 }
 

@@ -29,6 +29,8 @@ struct TerrainSettings {
   /// None: the scene's own, and `solid` for a volume. An open terrain ends at its border without walls.
   std::optional<mesh::Boundary> boundary;
   bool polygons = true;  ///< convex polygons for collision by other engines
+  /// Allows Rewind. Keeps the ground as opened and at up to eight versions since, as far as they differ.
+  bool rewind = false;
   /// Bytes that the terrain may take when opened; more is an error that says how much it would be.
   std::uint64_t memory = std::uint64_t{4} << 30;
 };
@@ -110,6 +112,8 @@ class DestructibleTerrain {
   std::uint64_t explode(Vec3d center, double radius, double energy) {
     return apply(Explosion{center, radius, energy});
   }
+  /// To version() - 1 is to undo one edit; costs as many edits as lie between, or 64 and the meshing.
+  std::uint64_t rewind(std::uint64_t version) { return apply(Rewind{version}); }
   /// What encode() gave, here or on another machine, one version each; meshed and seen all at once. Throws
   /// Error{input} for anything else.
   std::uint64_t apply(std::span<const Message> messages, Progress& progress = silent());

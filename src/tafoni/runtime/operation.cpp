@@ -14,7 +14,7 @@ using volume::ToolData;
 
 constexpr std::uint8_t message_version = 1;
 constexpr std::uint32_t most_numbers = 4096;
-enum class Kind : std::uint8_t { tool, explosion, radial };
+enum class Kind : std::uint8_t { tool, explosion, radial, rewind };
 
 bool finite(Vec3d p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
@@ -82,6 +82,12 @@ void put(ByteWriter& out, const Radial& r) {
   for (double v : r.change) out.put(v);
 }
 
+void put(ByteWriter& out, const Rewind& r) {
+  if (r.version == 0) fail(ErrorKind::usage, "versions begin with 1, so that none rewinds to 0");
+  out.put(Kind::rewind);
+  out.put(r.version);
+}
+
 ToolUse get_tool(ByteReader& in) {
   const auto edit = in.get<std::uint8_t>();
   if (edit > 1) fail(ErrorKind::input, "it neither removes nor adds");
@@ -111,6 +117,11 @@ Operation get(ByteReader& in) {
       r.radius = in.get<double>();
       for (std::size_t n = get_count(in, sizeof(double)); n > 0; --n) r.change.push_back(in.get<double>());
       check(r);
+      return r;
+    }
+    case Kind::rewind: {
+      const Rewind r{in.get<std::uint64_t>()};
+      if (r.version == 0) fail(ErrorKind::input, "it rewinds to version 0");
       return r;
     }
   }

@@ -2,6 +2,7 @@
 // Edits as values: what a player does to the ground, in the scene's CRS, and the message that says so.
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <variant>
 #include <vector>
@@ -28,7 +29,12 @@ struct Radial {
   double radius = 0;
   std::vector<double> change;  ///< 2 to 4096 values, metres
 };
-using Operation = std::variant<ToolUse, Explosion, Radial>;
+/// The ground as it was at an earlier version. This is an edit like any other: it makes a new version, and
+/// what it takes back stays in the journal and can be gone back to. Needs TerrainSettings::rewind.
+struct Rewind {
+  std::uint64_t version = 0;
+};
+using Operation = std::variant<ToolUse, Explosion, Radial, Rewind>;
 
 /// Little-endian and canonical: the same operation gives the same bytes everywhere. A box's turn travels as
 /// cosine and sine, which machines compute differently; so all peers dig the same box.

@@ -204,6 +204,47 @@ TEST(DestructibleTerrain, RefusedEditsChangeNothing) {
   EXPECT_THAT(differing(*terrain.snapshot(), *other.snapshot()), ElementsAre());
 }
 
+TEST(DestructibleTerrain, RewindsToAnyVersion) {
+  TerrainSettings settings;
+  settings.rewind = true;
+  DestructibleTerrain terrain = hills(settings);
+  const Box3d box = world_box(terrain);
+  std::vector<SnapshotPtr> past{nullptr, terrain.snapshot()};
+  std::vector<Digest> hashes{0, terrain.state().hash};
+  Random r(6);
+  int rewinds = 0;
+  for (std::uint64_t i = 0; i < 700; ++i) {
+    std::uint64_t to = 0;
+    if (r.below(8) == 0) {
+      const std::uint64_t back = r.below(2) == 0 ? r.below(4) : r.below(terrain.version());
+      to = terrain.version() - back;
+      terrain.rewind(to);
+      ++rewinds;
+    } else {
+      terrain.apply(random_operation(i, box, 3));
+    }
+    past.push_back(terrain.snapshot());
+    hashes.push_back(terrain.state().hash);
+    EXPECT_EQ(past.size(), terrain.version() + 1);
+    if (to == 0) continue;
+    EXPECT_EQ(hashes.back(), hashes[to]) << i;
+    EXPECT_THAT(differing(*past.back(), *past[to]), ElementsAre()) << i;
+    EXPECT_EQ(terrain.changes_since(terrain.version() - 1).chunks,
+              differing(*past[past.size() - 2], *past.back()));
+  }
+  EXPECT_GT(rewinds, 50);
+  DestructibleTerrain late = hills(settings);
+  late.apply(terrain.edits_since(1));
+  EXPECT_EQ(late.state(), terrain.state());
+  EXPECT_THAT(differing(*late.snapshot(), *terrain.snapshot()), ElementsAre());
+
+  EXPECT_THROW(terrain.rewind(0), Error);
+  EXPECT_THROW(terrain.rewind(terrain.version() + 1), Error);
+  DestructibleTerrain forgetful = hills({});
+  EXPECT_THROW(forgetful.rewind(1), Error);
+  EXPECT_EQ(forgetful.version(), 1u);
+}
+
 TEST(DestructibleTerrain, OpensScenesAndVolumes) {
   const fs::path root = fs::path(testing::TempDir()) / ("tafoni_terrain_" + std::to_string(::getpid()));
   fs::create_directories(root);

@@ -28,6 +28,7 @@ TEST(Operation, MessagesKeepEveryNumber) {
   EXPECT_EQ(use.tool.data(), volume::Tool::box({1, 2, 3}, {4, 5, 6}, 0.3).data());
   const auto radial = std::get<Radial>(decode(encode(Radial{{1, 2, 3}, 4, {-3, 1, 0}})));
   EXPECT_THAT(radial.change, testing::ElementsAre(-3, 1, 0));
+  EXPECT_EQ(std::get<Rewind>(decode(encode(Rewind{1ull << 40}))).version, 1ull << 40);
 }
 
 TEST(Operation, BytesFromStrangersAreChecked) {
@@ -59,6 +60,7 @@ TEST(Operation, WhatMakesNoEditIsRefused) {
   EXPECT_THROW(encode(Explosion{{0, 0, nan}, 1, 1}), Error);
   EXPECT_THROW(encode(Explosion{{0, 0, 0}, 0, 1}), Error);
   EXPECT_THROW(encode(Explosion{{0, 0, 0}, 1, nan}), Error);
+  EXPECT_THROW(encode(Rewind{0}), Error);
   EXPECT_THROW(encode(Radial{{0, 0, 0}, 1, {1}}), Error);
   EXPECT_THROW(encode(Radial{{0, 0, 0}, 1, {1, nan}}), Error);
 }
