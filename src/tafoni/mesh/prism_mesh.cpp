@@ -22,29 +22,22 @@ Vec3f unit_or_up(Vec3f n) {
   return l > 0 ? n * (1 / l) : Vec3f{0, 0, 1};
 }
 
-/// Places of a block's columns relative to the frame's origin.
-class Places {
- public:
-  Places(const ColumnFrame& frame, const PrismFaces& faces)
-      : frame_(frame), box_(faces.block().box), levels_(faces.cells().levels()) {}
-
-  Vec3f at(std::int32_t column, std::int32_t level) const {
-    return {static_cast<float>((box_.i0 + column % box_.width()) * frame_.dx),
-            static_cast<float>((box_.j0 + column / box_.width()) * frame_.dy),
-            levels_[static_cast<std::size_t>(level)]};
-  }
-
- private:
-  ColumnFrame frame_;
-  ColumnBox box_;
-  std::span<const float> levels_;
-};
-
-/// Twice the area, along the outward normal. From whole steps, so that it does not depend on where the cell
-/// lies, and the same in all chunks.
-Vec3f area(const Places& places, const PrismFace& f) {
-  const Vec3f a = places.at(f.column[0], f.level[0]);
-  return cross(places.at(f.column[1], f.level[1]) - a, places.at(f.column[2], f.level[2]) - a);
+/// Of every level of the block's columns, relative to the frame's origin.
+void place(const ColumnFrame& frame, const PrismFaces& faces, std::vector<Vec3f>& out) {
+  const ColumnBox& box = faces.block().box;
+  const std::span<const float> levels = faces.cells().levels();
+  out.resize(levels.size());
+  std::size_t n = 0;
+  for (int j = box.j0; j <= box.j1; ++j)
+    for (int i = box.i0; i <= box.i1; ++i) {
+      const bool last = i == box.i1 && j == box.j1;
+      const std::size_t end =
+          last ? levels.size()
+               : static_cast<std::size_t>(i < box.i1 ? faces.cells().first_level(i + 1, j)
+                                                     : faces.cells().first_level(box.i0, j + 1));
+      const float x = static_cast<float>(i * frame.dx), y = static_cast<float>(j * frame.dy);
+      for (; n < end; ++n) out[n] = {x, y, levels[n]};
+    }
 }
 
 /// Marks the walls that two cells put back to back where both are solid, each over other slabs: nothing
@@ -72,7 +65,7 @@ struct Workspace {
   PrismFaces faces;
   std::vector<std::array<std::int32_t, 4>> walls;
   std::vector<bool> hidden;
-  std::vector<Vec3f> normals;
+  std::vector<Vec3f> places, normals;
   std::vector<std::int32_t> ids;
 };
 
@@ -81,26 +74,29 @@ void mesh_chunk(const PrismFields& fields, const ColumnBox& cells, volume::DeadP
   out.positions.clear(), out.normals.clear(), out.surfaces.clear(), out.triangles.clear();
   const std::vector<PrismFace>& faces = work.faces.run(fields, cells, true, dead);
   if (faces.empty()) return;
-  const Places places(fields.frame(), work.faces);
+  place(fields.frame(), work.faces, work.places);
   const std::size_t keys = 3 * work.faces.cells().levels().size();
   work.normals.assign(keys, {});
   work.ids.assign(keys, -1);
-  const auto key = [](const PrismFace& f, std::size_t k) {
-    return 3 * static_cast<std::size_t>(f.level[k]) + static_cast<std::size_t>(f.surface);
-  };
   mark_hidden(faces, work.walls, work.hidden);
   for (std::size_t at = 0; at < faces.size(); ++at) {
     if (work.hidden[at]) continue;
     const PrismFace& f = faces[at];
-    const Vec3f n = area(places, f);
-    for (std::size_t k = 0; k < 3; ++k) work.normals[key(f, k)] += n;
+    std::size_t level[3], key[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+      level[k] = static_cast<std::size_t>(f.level[k]);
+      key[k] = 3 * level[k] + static_cast<std::size_t>(f.surface);
+    }
+    const Vec3f a = work.places[level[0]];
+    const Vec3f area = cross(work.places[level[1]] - a, work.places[level[2]] - a);
+    for (std::size_t k : key) work.normals[k] += area;
     if (!f.own) continue;
     std::array<std::uint32_t, 3> triangle;
     for (std::size_t k = 0; k < 3; ++k) {
-      std::int32_t& id = work.ids[key(f, k)];
+      std::int32_t& id = work.ids[key[k]];
       if (id < 0) {
         id = static_cast<std::int32_t>(out.positions.size());
-        out.positions.push_back(places.at(f.column[k], f.level[k]));
+        out.positions.push_back(work.places[level[k]]);
         out.surfaces.push_back(f.surface);
       }
       triangle[k] = static_cast<std::uint32_t>(id);
@@ -132,7 +128,8 @@ Pieces collect(const PrismFields& fields, volume::DeadPoints dead) {
     PrismFaces faces;
     Pieces& out = parts[static_cast<std::size_t>(n)];
     const auto& all = faces.run(fields, cells, false, dead);
-    const Places places(frame, faces);
+    std::vector<Vec3f> places;
+    place(frame, faces, places);
     const ColumnBox& box = faces.block().box;
     std::vector<bool> placed(faces.cells().levels().size(), false);
     for (const PrismFace& f : all) {
@@ -144,7 +141,7 @@ Pieces collect(const PrismFields& fields, volume::DeadPoints dead) {
                       static_cast<Key>(level);
         if (placed[static_cast<std::size_t>(f.level[k])]) continue;
         placed[static_cast<std::size_t>(f.level[k])] = true;
-        out.places.emplace_back(triangle[k], places.at(f.column[k], f.level[k]));
+        out.places.emplace_back(triangle[k], places[static_cast<std::size_t>(f.level[k])]);
       }
       out.triangles.push_back(triangle);
       out.surfaces.push_back(static_cast<std::uint8_t>(f.surface));

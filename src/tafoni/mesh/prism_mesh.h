@@ -30,7 +30,7 @@ struct PrismMeshSettings {
 Mesh polygonize(const volume::PrismFields& fields, const PrismMeshSettings& settings = {},
                 std::vector<PrismSurface>* surfaces = nullptr);
 
-/// The surface of 32 x 32 cells, for drawing: vertices are not shared between upper, lower and middle
+/// The surface of 16 x 16 cells, for drawing: vertices are not shared between upper, lower and middle
 /// surface, so that edges stay sharp. Positions and normals on its borders are repeated in the chunks beside
 /// it, bit for bit.
 struct PrismChunk {
@@ -45,7 +45,7 @@ struct PrismChunk {
 /// looked at. Works on several threads; not for several at once.
 class PrismMesher {
  public:
-  static constexpr int chunk_cells = 32;
+  static constexpr int chunk_cells = 16;
 
   explicit PrismMesher(const PrismMeshSettings& settings = {});
   ~PrismMesher();
@@ -53,7 +53,7 @@ class PrismMesher {
   PrismMesher& operator=(PrismMesher&&) noexcept;
 
   struct ChunkIndex {
-    int a = 0, b = 0;  ///< holds the cells from (32 a, 32 b)
+    int a = 0, b = 0;  ///< holds the cells from (16 a, 16 b)
     friend bool operator==(ChunkIndex, ChunkIndex) = default;
   };
   /// Meshes the chunks that the columns `changed` since the last update touch; the first one meshes all.

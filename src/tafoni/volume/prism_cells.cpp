@@ -53,14 +53,28 @@ void PrismCells::column(int i, int j) {
     Range& range = ranges_[base + n];
     range.first = static_cast<std::int32_t>(levels_.size());
     levels_.push_back(all[n].bottom);
-    seams_of(i, j, all[n]);
+    if (near_air_[block_->column(i, j)]) seams_of(i, j, all[n]);
     range.last = static_cast<std::int32_t>(levels_.size());
     levels_.push_back(all[n].top);
   }
 }
 
+/// Columns with air between matter, and those around them.
+void PrismCells::find_air() {
+  const ColumnBox& box = block_->box;
+  near_air_.assign(block_->count.size(), 0);
+  for (int j = box.j0; j <= box.j1; ++j)
+    for (int i = box.i0; i <= box.i1; ++i) {
+      if (block_->count[block_->column(i, j)] < 2) continue;
+      for (int b = std::max(j - 1, box.j0); b <= std::min(j + 1, box.j1); ++b)
+        for (int a = std::max(i - 1, box.i0); a <= std::min(i + 1, box.i1); ++a)
+          near_air_[block_->column(a, b)] = 1;
+    }
+}
+
 void PrismCells::build(const ColumnBlock& block) {
   block_ = &block;
+  find_air();
   levels_.clear(), starts_.clear(), seams_.clear(), seam_starts_.clear();
   if (ranges_.size() < block.intervals.size()) ranges_.resize(block.intervals.size());
   for (int j = block.box.j0; j <= block.box.j1; ++j)

@@ -68,6 +68,7 @@ class PrismCells {
     float lo, hi;  ///< of all the air that is pinched there
     std::int32_t place;
   };
+  void find_air();
   void column(int i, int j);
   void seams_of(int i, int j, const Matter& matter);
   bool simple(const std::array<std::size_t, 4>& columns, Slab& slab) const;
@@ -89,6 +90,7 @@ class PrismCells {
   std::vector<Seam> seams_;                ///< by column
   std::vector<std::int32_t> seam_starts_;  ///< by column
   std::vector<std::pair<float, float>> air_;
+  std::vector<std::uint8_t> near_air_;  ///< by column
   struct Node {
     int corner, interval;
     std::int32_t root;
