@@ -183,7 +183,7 @@ class Errors(Case):
         self.fails(2, "did you mean", "amplify", "hill.asc", "--geology", "stata", "-o", "a.glb")
         self.fails(2, 'has no layer or geology "karst"', "amplify", "hill.asc", "--set", "karst.x=1", "-o", "a.glb")
         self.fails(2, "nothing to write", "amplify", "hill.asc")
-        self.fails(2, "query needs --points", "query", "hill.asc")
+        self.fails(2, "query needs one of --points", "query", "hill.asc")
         self.fails(2, "did you mean", "list", "landform")
         self.fails(2, "did you mean", "list", "landforms", "karsts")
         self.fails(2, "did you mean", "generate", "cost", "-o", "a.tif")

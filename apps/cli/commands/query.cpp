@@ -2,7 +2,10 @@
 #include <iostream>
 #include <iterator>
 #include <memory>
+#include <numbers>
+#include <optional>
 
+#include "collisions.h"
 #include "command.h"
 #include "scene_run.h"
 #include <fmt/format.h>
@@ -15,13 +18,19 @@ namespace {
 
 struct Query {
   std::string scene_file, points, output;
+  std::vector<std::string> questions;  ///< files, by question
+  std::optional<std::int64_t> walks;
+  std::vector<double> walker;
+  bool anywhere = false;
   SceneOptions scene;
 };
 
-std::vector<Vec3d> read_points(const std::string& path) {
-  if (path != "-") return scene::parse_points_csv(scene::read_text(path), path);
-  const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
-  return scene::parse_points_csv(text, "standard input");
+struct Text {
+  std::string text, name;
+};
+Text read_table(const std::string& path) {
+  if (path != "-") return {scene::read_text(path), path};
+  return {{std::istreambuf_iterator<char>(std::cin), {}}, "standard input"};
 }
 
 void append_row(fmt::memory_buffer& out, bool json, Vec3d p, float f, Vec3f g) {
@@ -35,18 +44,15 @@ void append_row(fmt::memory_buffer& out, bool json, Vec3d p, float f, Vec3f g) {
     fmt::format_to(at, "{},{},{},{:.9g},{:.9g},{:.9g},{:.9g}\n", p.x, p.y, p.z, f, g.x, g.y, g.z);
 }
 
-int run(const Query& q, Console& console) {
-  scene::Document document = open_document(q.scene_file);
-  q.scene.apply(document);
-  if (!q.output.empty()) {
-    std::vector<std::filesystem::path> inputs = inputs_of(document);
-    inputs.insert(inputs.end(), {q.scene_file, q.points});
-    check_output(q.output, inputs);
-  }
-  const std::vector<Vec3d> world = read_points(q.points);
-  const scene::BuiltScene scene = scene::build(document, console);
-  const field::CompiledField field = scene.field_for(scene.boundary());
+void give(const Query& q, const std::string& text, Console& console) {
+  if (q.output.empty())
+    console.result(text);
+  else
+    write_file(q.output, text);
+}
 
+std::string field_at(const scene::BuiltScene& scene, const std::vector<Vec3d>& world, bool json) {
+  const field::CompiledField field = scene.field_for(scene.boundary());
   std::vector<Vec3d> local(world.size());
   std::transform(world.begin(), world.end(), local.begin(),
                  [&](Vec3d p) { return scene.terrain.to_local(p); });
@@ -60,27 +66,107 @@ int run(const Query& q, Console& console) {
 
   fmt::memory_buffer out;
   const auto text = [&](std::string_view s) { out.append(s.data(), s.data() + s.size()); };
-  text(console.json() ? "[" : "x,y,z,f,gx,gy,gz\n");
+  text(json ? "[" : "x,y,z,f,gx,gy,gz\n");
   for (std::size_t i = 0; i < world.size(); ++i) {
-    if (console.json()) text(i == 0 ? "\n  " : ",\n  ");
-    append_row(out, console.json(), world[i], values[i], gradients[i]);
+    if (json) text(i == 0 ? "\n  " : ",\n  ");
+    append_row(out, json, world[i], values[i], gradients[i]);
   }
-  if (console.json()) text("\n]\n");
-  if (q.output.empty())
-    console.result({out.data(), out.size()});
+  if (json) text("\n]\n");
+  return {out.data(), out.size()};
+}
+
+query::WalkSettings walk_settings(const Query& q) {
+  query::WalkSettings settings;
+  settings.count = static_cast<int>(*q.walks);
+  settings.roofed = !q.anywhere;
+  if (q.scene.seed) settings.seed = static_cast<std::uint64_t>(*q.scene.seed);
+  if (q.walker.empty()) return settings;
+  settings.walker.radius = q.walker[0], settings.walker.height = q.walker[1],
+  settings.walker.step = q.walker[2];
+  settings.walker.slope = q.walker[3] * std::numbers::pi / 180;
+  return settings;
+}
+
+void tell_walks(const Query& q, const CollisionGround& ground, Console& console) {
+  const AnswerTable table = walk(ground, walk_settings(q), console);
+  double metres = 0, moves = 0, arrived = 0, overlap = 0, depth = 0;
+  for (const auto& row : table.rows) {
+    metres += *row[6], moves += *row[7], arrived += *row[8];
+    overlap = std::max(overlap, *row[9]), depth = std::max(depth, *row[10]);
+  }
+  if (!q.output.empty()) write_file(q.output, table.text(console.json()));
+  if (console.json())
+    console.result(fmt::format(
+        R"({{"routes": {}, "arrived": {}, "moves": {}, "metres": {:.3f}, "overlap": {:.9g}, "field_depth": {:.9g}}})"
+        "\n",
+        table.rows.size(), arrived, moves, metres, overlap, depth));
   else
-    write_file(q.output, {out.data(), out.size()});
+    console.result(
+        fmt::format("{} of {} routes completed, {:.0f} moves, {:.0f} m; in the surface by at most {:.6f} m, "
+                    "in the field by {:.3f}\n",
+                    arrived, table.rows.size(), moves, metres, overlap, depth));
+  check_walks(table);
+}
+
+int run(const Query& q, Console& console) {
+  const bool mesh = is_mesh_file(q.scene_file);
+  std::vector<std::filesystem::path> inputs{q.scene_file};
+  for (const std::string& file : q.questions) inputs.emplace_back(file);
+  inputs.emplace_back(q.points);
+  std::optional<scene::Document> document;
+  if (!mesh) {
+    document = open_document(q.scene_file);
+    q.scene.apply(*document);
+    const auto more = inputs_of(*document);
+    inputs.insert(inputs.end(), more.begin(), more.end());
+  }
+  if (!q.output.empty()) check_output(q.output, inputs);
+  if (!q.points.empty()) {
+    if (mesh) fail(ErrorKind::usage, "{}: a mesh has no field; --points needs a scene", q.scene_file);
+    const Text table = read_table(q.points);
+    const std::vector<Vec3d> points = scene::parse_points_csv(table.text, table.name);
+    give(q, field_at(scene::build(*document, console), points, console.json()), console);
+    return 0;
+  }
+  for (std::size_t i = 0; i < q.questions.size(); ++i) {
+    if (q.questions[i].empty()) continue;
+    const Question& question = all_questions()[i];
+    const Text table = read_table(q.questions[i]);
+    const auto rows = scene::parse_numbers_csv(table.text, table.name, question.columns);
+    const CollisionGround ground =
+        mesh ? ground_of_mesh(q.scene_file) : ground_of_scene(scene::build(*document, console));
+    give(q, answer(question, ground, rows).text(console.json()), console);
+    return 0;
+  }
+  tell_walks(q, mesh ? ground_of_mesh(q.scene_file) : ground_of_scene(scene::build(*document, console)),
+             console);
   return 0;
 }
 
 std::function<int(Console&)> setup(Args& args) {
   auto q = std::make_shared<Query>();
-  args.positional("SCENE", q->scene_file, "Scene file (.toml), or an elevation model");
-  args.text("--points", "CSV", q->points, "Points x,y,z in the scene's CRS; - reads standard input");
+  args.positional("SCENE", q->scene_file, "Scene file (.toml), elevation model, volume or mesh");
+  args.text("--points", "CSV", q->points,
+            "Points x,y,z in the scene's CRS: the field; - reads standard input");
+  q->questions.resize(all_questions().size());
+  for (std::size_t i = 0; i < q->questions.size(); ++i)
+    args.text(all_questions()[i].flag, "CSV", q->questions[i], all_questions()[i].doc);
+  args.integer("--walk", "N", q->walks, 1, 1000000,
+               "Walk N random routes and tell how deep in rock the walker was");
+  args.numbers("--walker", "RADIUS,HEIGHT,STEP,SLOPE", q->walker, 4, "For --walk: metres and degrees");
+  args.flag("--anywhere", q->anywhere, "For --walk: begin in the open, too, not only under rock");
   args.text("-o,--output", "CSV", q->output, "File to write; default: stdout");
   q->scene.declare(args);
   return [q](Console& console) {
-    if (q->points.empty()) fail(ErrorKind::usage, "query needs --points CSV (or - for standard input)");
+    const auto given =
+        std::count_if(q->questions.begin(), q->questions.end(), [](const auto& f) { return !f.empty(); }) +
+        !q->points.empty() + q->walks.has_value();
+    if (given != 1) {
+      std::string flags = "--points";
+      for (const Question& question : all_questions()) flags += ", " + question.flag;
+      fail(ErrorKind::usage, "query needs {} of {} with a CSV (or - for standard input), or --walk N",
+           given == 0 ? "one" : "no more than one", flags);
+    }
     return run(*q, console);
   };
 }
@@ -88,12 +174,14 @@ std::function<int(Console&)> setup(Args& args) {
 }  // namespace
 
 const Command& command_query() {
-  static const Command command = {
-      "query",
-      "Print the field and its gradient at points: f > 0 is rock, f < 0 air, metres near the surface",
-      "  tafoni query scene.toml --points points.csv > values.csv\n"
-      "  echo 452300.5,5528100.25,120 | tafoni query scene.toml --points -",
-      setup};
+  static const Command command = {"query",
+                                  "Ask the field at points (f > 0 is rock, f < 0 air, metres near the "
+                                  "surface), or the surface: rays, spheres, sweeps and walks",
+                                  "  tafoni query scene.toml --points points.csv > values.csv\n"
+                                  "  echo 452300.5,5528100.25,120 | tafoni query scene.toml --points -\n"
+                                  "  tafoni query cave.glb --sweeps capsules.csv --json\n"
+                                  "  tafoni query scene.toml --walk 1000 -o routes.csv",
+                                  setup};
   return command;
 }
 

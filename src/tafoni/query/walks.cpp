@@ -100,7 +100,7 @@ std::vector<Walk> random_walks(const Collider& ground, const Box3d& box, const W
           walk.walked = find_way(ground, walker, routes, from, to, settings.seconds, [&](const Walker& now) {
             progress.check();
             walk.overlap = std::max(walk.overlap, overlap_of(ground, now.capsule()));
-            if (check) walk.overlap = std::max(walk.overlap, check(now.capsule()));
+            if (check) walk.depth = std::max(walk.depth, check(now.capsule()));
           });
         }
       },

@@ -26,7 +26,8 @@ struct WalkSettings {
 struct Walk {
   Vec3d from, to;
   Walked walked;
-  double overlap = 0;  ///< metres: how far the capsule was in the surface's triangles, at worst
+  double overlap = 0;  ///< metres: how far the surface's triangles came into the capsule, at worst
+  double depth = 0;    ///< the greatest that `check` told
 };
 
 /// Random routes between places that a walker can reach from random places in the box, and what came of

@@ -241,31 +241,36 @@ std::vector<Primitive> parse_primitives_csv(std::string_view text, std::string_v
   return PrimitiveRows(text, name).read();
 }
 
-std::vector<Vec3d> parse_points_csv(std::string_view text, std::string_view name) {
+std::vector<std::vector<double>> parse_numbers_csv(std::string_view text, std::string_view name,
+                                                   std::span<const std::string_view> columns) {
   Lines lines(text, name);
-  if (!lines.next()) fail(ErrorKind::input, "{}: is empty; expected the columns x,y,z", name);
-  std::array<std::size_t, 3> column = {0, 1, 2};
-  const std::array<std::string_view, 3> titles = {"x", "y", "z"};
-  std::size_t width = lines.fields().size();
+  const std::string wanted = fmt::format("{}", fmt::join(columns, ","));
+  if (!lines.next()) fail(ErrorKind::input, "{}: is empty; expected the columns {}", name, wanted);
+  std::vector<std::size_t> places;
+  const std::size_t width = lines.fields().size();
   const bool headless = Lines::to_number(lines.fields().front()).has_value();
-  if (headless) {
-    if (width < 3) lines.bad("has {} fields; expected x,y,z", width);
-  } else {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      std::size_t i = 0;
-      while (i < width && lower(lines.fields()[i]) != titles[axis]) ++i;
-      if (i == width)
-        lines.bad("column {} is missing; expected a header with the columns x,y,z", titles[axis]);
-      column[axis] = i;
-    }
+  if (headless && width < columns.size()) lines.bad("has {} fields; expected {}", width, wanted);
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    std::size_t i = headless ? c : 0;
+    while (!headless && i < width && lower(lines.fields()[i]) != columns[c]) ++i;
+    if (i == width)
+      lines.bad("column {} is missing; expected a header with the columns {}", columns[c], wanted);
+    places.push_back(i);
   }
-  std::vector<Vec3d> out;
+  std::vector<std::vector<double>> out;
   for (bool more = headless || lines.next(); more; more = lines.next()) {
     if (lines.fields().size() != width)
       lines.bad("has {} fields where the first line has {}", lines.fields().size(), width);
-    out.push_back(
-        {lines.number_at(column[0], "x"), lines.number_at(column[1], "y"), lines.number_at(column[2], "z")});
+    std::vector<double>& row = out.emplace_back();
+    for (std::size_t c = 0; c < columns.size(); ++c) row.push_back(lines.number_at(places[c], columns[c]));
   }
+  return out;
+}
+
+std::vector<Vec3d> parse_points_csv(std::string_view text, std::string_view name) {
+  constexpr std::string_view columns[] = {"x", "y", "z"};
+  std::vector<Vec3d> out;
+  for (const auto& row : parse_numbers_csv(text, name, columns)) out.push_back({row[0], row[1], row[2]});
   return out;
 }
 

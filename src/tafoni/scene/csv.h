@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -28,7 +29,11 @@ struct Primitive {
 /// Throws Error{input} "NAME:LINE: …".
 std::vector<Primitive> parse_primitives_csv(std::string_view text, std::string_view name);
 
-/// Columns x, y, z named by a header, other columns ignored; or no header and the first three columns.
+/// Columns named by a header, others ignored; or no header and the first columns. One row of numbers a line,
+/// in the order of `columns`.
+std::vector<std::vector<double>> parse_numbers_csv(std::string_view text, std::string_view name,
+                                                   std::span<const std::string_view> columns);
+/// The same with the columns x, y, z.
 std::vector<Vec3d> parse_points_csv(std::string_view text, std::string_view name);
 
 /// The whole file. Throws Error{input} when it cannot be read or is larger than `limit` bytes.
