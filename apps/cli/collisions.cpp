@@ -176,8 +176,8 @@ AnswerTable walk(const CollisionGround& ground, const query::WalkSettings& setti
   const auto walks =
       query::random_walks(*ground.collider, ground.collider->bounds(), settings, depth, console);
   AnswerTable table;
-  table.columns = {"from_x", "from_y", "from_z",  "to_x",    "to_y",       "to_z",
-                   "metres", "moves",  "arrived", "overlap", "field_depth"};
+  table.columns = {"from_x", "from_y", "from_z",  "to_x",    "to_y", "to_z",
+                   "metres", "moves",  "arrived", "overlap", "field"};
   for (const query::Walk& w : walks) {
     Answer row;
     append(row, w.from + ground.origin);

@@ -39,9 +39,12 @@ bool walk_to(const Collider& ground, Walker& walker, Vec3d to, double move) {
 
 }  // namespace
 
-Routes::Routes(const Collider& ground, const WalkerSettings& settings, Vec3d start,
+Routes::Routes(const Collider& ground, std::span<const WalkerSettings> walkers, Vec3d start,
                const RouteSettings& route)
-    : settings_(route), step_(settings.step) {
+    : settings_(route) {
+  if (walkers.empty()) fail(ErrorKind::internal, "routes are for one walker at least");
+  const WalkerSettings& settings = walkers.front();
+  step_ = settings.step;
   if (!(route.spacing > 0) || !(route.move > 0))
     fail(ErrorKind::usage, "places need a spacing and moves above 0 m");
   const double d = route.spacing;
@@ -74,23 +77,40 @@ Routes::Routes(const Collider& ground, const WalkerSettings& settings, Vec3d sta
         const Column c{at[p].i + di, at[p].j + dj};
         walker = Walker(settings, places_[p]);
         if (!walker.settle(ground) || !walk_to(ground, walker, center(c), route.move)) continue;
+        const bool all = std::all_of(walkers.begin() + 1, walkers.end(), [&](const WalkerSettings& another) {
+          Walker companion(another, places_[p]);
+          return companion.settle(ground) && walk_to(ground, companion, center(c), route.move) &&
+                 std::abs(companion.feet().z - walker.feet().z) < settings.step;
+        });
+        if (!all) continue;
         const std::uint32_t reached = add(c, walker.feet());
         next_[p].push_back(reached);
       }
 }
 
-std::vector<Vec3d> Routes::way(std::size_t from, std::size_t to) const {
+std::vector<std::uint32_t> Routes::path(std::size_t from, std::size_t to,
+                                        std::span<const Stretch> closed) const {
   if (from >= places_.size() || to >= places_.size()) return {};
   constexpr std::uint32_t none = 0xffffffff;
   std::vector<std::uint32_t> before(places_.size(), none), queue{static_cast<std::uint32_t>(from)};
   before[from] = static_cast<std::uint32_t>(from);
   for (std::size_t q = 0; q < queue.size() && before[to] == none; ++q)
-    for (std::uint32_t next : next_[queue[q]])
-      if (before[next] == none) before[next] = queue[q], queue.push_back(next);
+    for (std::uint32_t next : next_[queue[q]]) {
+      if (before[next] != none) continue;
+      if (std::find(closed.begin(), closed.end(), Stretch{queue[q], next}) != closed.end()) continue;
+      before[next] = queue[q];
+      queue.push_back(next);
+    }
   if (before[to] == none) return {};
-  std::vector<Vec3d> result{places_[to]};
-  for (auto p = static_cast<std::uint32_t>(to); p != from; result.push_back(places_[p])) p = before[p];
+  std::vector<std::uint32_t> result{static_cast<std::uint32_t>(to)};
+  while (result.back() != from) result.push_back(before[result.back()]);
   std::reverse(result.begin(), result.end());
+  return result;
+}
+
+std::vector<Vec3d> Routes::way(std::span<const std::uint32_t> path) const {
+  std::vector<Vec3d> result;
+  for (std::uint32_t p : path) result.push_back(places_[p]);
   return result;
 }
 
@@ -134,8 +154,8 @@ Walked follow(const Collider& ground, Walker& walker, const std::vector<Vec3d>& 
   if (!(move > 0) || !(seconds > 0)) fail(ErrorKind::usage, "a walk needs moves above 0 m and 0 s");
   Walked walked;
   walker.settle(ground);
-  for (std::size_t w = 1; w < way.size(); ++w) {
-    const double size = level_distance(way[w - 1], way[w]);
+  for (std::size_t w = 0; w < way.size(); ++w) {
+    const double size = level_distance(w == 0 ? walker.feet() : way[w - 1], way[w]);
     const int wanted = moves_for(size, move), most = 3 * wanted + 8;
     int moves = 0;
     for (; moves < most && level_distance(walker.feet(), way[w]) > close; ++moves) {
@@ -145,8 +165,9 @@ Walked follow(const Collider& ground, Walker& walker, const std::vector<Vec3d>& 
       if (each) each(walker);
     }
     walked.moves += moves;
-    walked.metres += size;
     if (moves == most) return walked;
+    walked.metres += size;
+    walked.reached = w;
   }
   walked.arrived = true;
   return walked;
@@ -155,13 +176,16 @@ Walked follow(const Collider& ground, Walker& walker, const std::vector<Vec3d>& 
 Walked find_way(const Collider& ground, Walker& walker, const Routes& routes, std::size_t from,
                 std::size_t to, double seconds, const std::function<void(const Walker&)>& each, int tries) {
   Walked sum;
+  std::vector<Routes::Stretch> closed;
   for (int t = 0; t < tries && !sum.arrived; ++t) {
-    std::vector<Vec3d> way = routes.way(from, to);
-    if (way.empty()) break;
-    way.insert(way.begin(), walker.feet());
-    const Walked walked = follow(ground, walker, way, routes.settings().move, seconds, each);
-    sum = {walked.arrived, sum.moves + walked.moves, sum.metres + walked.metres,
-           sum.seconds + walked.seconds};
+    const std::vector<std::uint32_t> path = routes.path(from, to, closed);
+    if (path.empty()) break;
+    const Walked walked = follow(ground, walker, routes.way(path), routes.settings().move, seconds, each);
+    sum.arrived = walked.arrived;
+    sum.moves += walked.moves;
+    sum.metres += walked.metres;
+    sum.seconds += walked.seconds;
+    if (walked.reached + 1 < path.size()) closed.push_back({path[walked.reached], path[walked.reached + 1]});
     from = routes.nearest(walker.feet());
   }
   return sum;

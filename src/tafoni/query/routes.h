@@ -2,6 +2,8 @@
 // Places to stand, and ways between them: what a walker can reach from a place, found by its own strides.
 
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "tafoni/query/walker.h"
@@ -15,24 +17,34 @@ struct RouteSettings {
 };
 
 /// The places that a walker reaches from `start`, by walking straight to neighbours on a lattice of columns
-/// (multiples of the spacing) without falling. What is found does not depend on threads.
+/// (multiples of the spacing) without falling. Of several walkers, all must manage each stretch; places are
+/// those of the first. What is found does not depend on threads.
 class Routes {
  public:
-  Routes(const Collider& ground, const WalkerSettings& walker, Vec3d start,
+  Routes(const Collider& ground, std::span<const WalkerSettings> walkers, Vec3d start,
          const RouteSettings& settings = {});
 
   const RouteSettings& settings() const { return settings_; }
   /// Feet; the first is the start, put on its column. Empty where one cannot stand there.
   const std::vector<Vec3d>& places() const { return places_; }
-  /// Places from one to the other, both included, over the fewest places; empty where there is no way.
-  std::vector<Vec3d> way(std::size_t from, std::size_t to) const;
+  /// A stretch between places beside each other, by their numbers.
+  struct Stretch {
+    std::uint32_t from = 0, to = 0;
+    friend bool operator==(Stretch, Stretch) = default;
+  };
+  /// The places from one to the other, both included, over the fewest places and none of the stretches that
+  /// are closed; empty where there is no way.
+  std::vector<std::uint32_t> path(std::size_t from, std::size_t to,
+                                  std::span<const Stretch> closed = {}) const;
+  /// The feet there.
+  std::vector<Vec3d> way(std::span<const std::uint32_t> path) const;
   /// The place nearest to the feet that lies within a spacing of them along x and y and a step in height;
   /// places().size() where there is none.
   std::size_t nearest(Vec3d feet) const;
 
  private:
   RouteSettings settings_;
-  double step_;
+  double step_ = 0;
   std::vector<Vec3d> places_;
   std::vector<std::vector<std::uint32_t>> next_;  ///< to which places one can go
 };
@@ -46,18 +58,19 @@ std::vector<Vec3d> standing_places(const Collider& ground, const WalkerSettings&
 struct Walked {
   bool arrived = false;
   int moves = 0;
-  double metres = 0;   ///< of the way
-  double seconds = 0;  ///< of the walker's time
+  std::size_t reached = 0;  ///< place of the way that it came to last
+  double metres = 0;        ///< of the way, as far as that
+  double seconds = 0;       ///< of the walker's time
 };
 /// Drives the walker along a way, `seconds` a move of at most `move` metres; `each` is called after
 /// every move. Gives up at a place that takes three times as many moves as it should.
 Walked follow(const Collider& ground, Walker& walker, const std::vector<Vec3d>& way, double move,
               double seconds, const std::function<void(const Walker&)>& each = {});
 
-/// The same by the shortest way between two places, with a new way from the nearest place where it got off
-/// the last one, at most `tries` times.
+/// The same by the shortest way between two places; where it cannot go on or gets off, by a new way from the
+/// nearest place without that stretch, at most `tries` ways.
 Walked find_way(const Collider& ground, Walker& walker, const Routes& routes, std::size_t from,
                 std::size_t to, double seconds, const std::function<void(const Walker&)>& each = {},
-                int tries = 6);
+                int tries = 10);
 
 }  // namespace tafoni::query

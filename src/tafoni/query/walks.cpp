@@ -35,14 +35,14 @@ double overlap_of(const Collider& ground, const Capsule& shape) {
 /// Places from which many others can be reached.
 Routes find_start(const Collider& ground, const Box3d& box, const WalkSettings& settings, Random& random) {
   constexpr int tries = 20000;
-  const WalkerSettings planned = with_margins(settings.walker);
+  const WalkerSettings planned = with_margins(settings.walker), walkers[] = {planned, settings.walker};
   const std::size_t enough = std::min<std::size_t>(60, settings.routes.places);
   for (int i = 0; i < tries; ++i) {
     const double x = random.uniform(box.lo.x, box.hi.x), y = random.uniform(box.lo.y, box.hi.y);
     const std::vector<Vec3d> places =
         standing_places(ground, planned, x, y, box.hi.z, box.lo.z, settings.roofed);
     if (places.empty()) continue;
-    Routes routes(ground, planned, places[random.below(places.size())], settings.routes);
+    Routes routes(ground, walkers, places[random.below(places.size())], settings.routes);
     if (routes.places().size() >= enough) return routes;
   }
   fail(ErrorKind::input,
@@ -90,7 +90,8 @@ std::vector<Walk> random_walks(const Collider& ground, const Box3d& box, const W
         const Routes routes = find_start(ground, box, settings, random);
         for (std::size_t w = first; w < last; ++w) {
           std::size_t from = 0, to = 0;
-          for (int tries = 0; tries < 200 && length_of(routes.way(from, to)) < settings.least; ++tries) {
+          for (int tries = 0; tries < 200 && length_of(routes.way(routes.path(from, to))) < settings.least;
+               ++tries) {
             from = random.below(routes.places().size());
             to = random.below(routes.places().size());
           }
