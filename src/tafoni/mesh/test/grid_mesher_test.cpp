@@ -5,7 +5,6 @@
 #include <cstring>
 #include <map>
 #include <set>
-#include <string>
 
 #include <gtest/gtest.h>
 

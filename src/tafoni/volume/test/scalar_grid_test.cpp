@@ -1,9 +1,11 @@
 #include "tafoni/volume/scalar_grid.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <map>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -276,6 +278,28 @@ TEST(ScalarGrid, AnExceptionInAnEditLeavesRangesRight) {
                Error);
   EXPECT_EQ(grid.at({3, 4, 0}), 9);
   EXPECT_EQ(grid.range(grid.frame().box()).hi, 9);
+}
+
+TEST(ScalarGrid, CopiesAreReadWhileTheOriginalIsEdited) {
+  const GridFrame frame{{}, 1, {70, 40, 40}};
+  ScalarGrid grid(frame, 0);
+  std::vector<std::thread> readers;
+  std::atomic<int> wrong{0};
+  for (int step = 1; step <= 60; ++step) {
+    // Every sample of a copy has one value, and those of the next copy another.
+    grid.edit(grid.samples(), [&](Vec3i, std::span<float> row) {
+      std::fill(row.begin(), row.end(), static_cast<float>(step));
+    });
+    readers.emplace_back([copy = grid, step, &wrong] {
+      const Interval range = copy.range(copy.frame().box());
+      wrong += range.lo != static_cast<float>(step) || range.hi != static_cast<float>(step);
+      std::vector<float> all(70 * 40 * 40);
+      copy.read(copy.samples(), all.data());
+      for (float v : all) wrong += v != static_cast<float>(step);
+    });
+  }
+  for (std::thread& reader : readers) reader.join();
+  EXPECT_EQ(wrong, 0);
 }
 
 TEST(ScalarGrid, EqualityIsByBits) {
