@@ -139,8 +139,8 @@ class Carving {
       const double round = c->round(at);
       all.emplace_back(round - half_, c);
       lowest = std::min(lowest, round - half_);
-      // A floor is steeper than a wall, where it slopes and where the radius grows.
-      least = std::min(least, c->floor < 1 ? c->value(at) + 3 * half_ : round + half_);
+      // A sloping floor is steeper than a wall.
+      least = std::min(least, c->floor < impl::round_floor ? c->value(at) + 3 * half_ : round + half_);
     }
     grid_.read(made.box, made.values);
     const Vec3i size = made.box.size();
@@ -183,7 +183,7 @@ Tunnel fractal_tunnel(Vec3d from, Vec3d to, const TunnelSettings& s) {
     fail(ErrorKind::usage, "a tunnel's radius and step must be positive lengths in metres");
   const double share = std::clamp(s.swelling, 0.0, 0.9);
   Tunnel tunnel;
-  tunnel.floor = s.floor;
+  if (s.floor < 1) tunnel.floor = s.floor * s.radius;
   // A segment's place in the tree of halves: its noise does not depend on which others are halved.
   struct Part {
     AxisPoint end;

@@ -20,9 +20,9 @@ struct AxisPoint {
 /// Spheres swept along a polyline, their radius linear from point to point.
 struct Tunnel {
   std::vector<AxisPoint> axis;
-  /// Ground that fills it up to this many radii below the axis, level across, so that one can walk; 1 or more
-  /// for a round floor, as the document has it.
-  double floor = 1;
+  /// Metres below the axis at which ground fills it, level across, so that one can walk; 1e9: a round floor,
+  /// as the document has it.
+  double floor = 1e9;
 };
 
 struct TunnelSettings {
@@ -34,7 +34,7 @@ struct TunnelSettings {
   double climb = 0.4;  ///< of that, the share by which it moves up or down
   double step = 2;     ///< metres: segments are halved until none is longer
   double slope = 10;   ///< tangent of the steepest slope of the axis, where the ends allow it; 10: no limit
-  double floor = 1;    ///< as Tunnel has it
+  double floor = 1;    ///< its depth as a share of the radius; 1: round
   std::uint64_t seed = 0;
 };
 

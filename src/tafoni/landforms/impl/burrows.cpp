@@ -16,6 +16,19 @@ Vec3d aside(Vec3d ahead) {
   return {-ahead.y, ahead.x, 0};
 }
 
+/// Takes off the smallest bends: where a slope turns within its own width, its floor falls in steps.
+void smooth(std::vector<volume::AxisPoint>& axis) {
+  for (int pass = 0; pass < 4; ++pass) {
+    volume::AxisPoint before = axis.front();
+    for (std::size_t i = 1; i + 1 < axis.size(); ++i) {
+      const volume::AxisPoint own = axis[i];
+      axis[i].position = 0.25 * before.position + 0.5 * own.position + 0.25 * axis[i + 1].position;
+      axis[i].radius = 0.25 * before.radius + 0.5 * own.radius + 0.25 * axis[i + 1].radius;
+      before = own;
+    }
+  }
+}
+
 }  // namespace
 
 Burrows::Burrows(const Ground& ground, const BurrowSettings& settings, Progress& progress)
@@ -132,7 +145,7 @@ std::optional<volume::Tunnel> Burrows::attempt(const WayEnd& from, const WayEnd&
   t.radius = r, t.swelling = s_.swelling, t.wander = s_.wander, t.floor = s_.floor;
   t.step = 0.7 * r;
   volume::Tunnel made;
-  made.floor = s_.floor;
+  made.floor = s_.floor * r;
   const auto straight = [&](Vec3d p, Vec3d q) {
     const int n = std::max(1, static_cast<int>(length(q - p) / t.step));
     for (int i = 0; i < n; ++i) made.axis.push_back({p + (q - p) * (static_cast<double>(i) / n), r});
@@ -145,6 +158,7 @@ std::optional<volume::Tunnel> Burrows::attempt(const WayEnd& from, const WayEnd&
   }
   straight(b1, b);
   made.axis.push_back({b, r});
+  smooth(made.axis);
   const auto near_end = [&](Vec3d p, const WayEnd& end) {
     return end.open && std::hypot(p.x - end.floor.x, p.y - end.floor.y) < 1.2 * end.straight;
   };

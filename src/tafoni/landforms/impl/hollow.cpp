@@ -175,11 +175,11 @@ void Hollow::report_routes(Result& result) const {
     for (std::size_t i = 0; i < t.axis.size(); ++i) {
       const volume::AxisPoint& a = t.axis[i];
       if (i > 0) since += tafoni::length(a.position - t.axis[i - 1].position);
-      // Every few metres are enough to walk by.
-      if (since < 3 && i + 1 < t.axis.size()) continue;
+      // Close enough together for the way between them to stay off the walls.
+      if (since < 1 && i + 1 < t.axis.size()) continue;
       since = 0;
       const Vec3d world = a.position + ground_.site().origin;
-      routes.insert(routes.end(), {world.x, world.y, world.z - std::min(t.floor, 1.0) * a.radius});
+      routes.insert(routes.end(), {world.x, world.y, world.z - std::min(t.floor, a.radius)});
       ++count;
     }
     points.push_back(count);

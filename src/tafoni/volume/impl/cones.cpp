@@ -23,7 +23,7 @@ struct NearCone {
   float ux, uy, uz;  ///< along
   float length, radius, grow;
   float lean;    ///< how much further along the nearest sphere is, per metre from the axis
-  float floor;   ///< radii
+  float floor;   ///< metres
   float ground;  ///< height of the axis's first end above the brick's first sample
 };
 
@@ -40,6 +40,8 @@ void least_of_cones(const NearCone* cones, std::size_t n, float spacing, float* 
   using Vec = hn::Vec<decltype(f)>;
   const int lanes = static_cast<int>(hn::Lanes(f));
   const Vec zero = hn::Zero(f);
+  const auto round = static_cast<float>(round_floor);
+  const Vec ramp = hn::Set(f, static_cast<float>(floor_ramp));
   std::fill_n(out, brick_side * brick_side * brick_side, std::numeric_limits<float>::max());
   for (std::size_t i = 0; i < n; ++i) {
     const NearCone& c = cones[i];
@@ -63,11 +65,11 @@ void least_of_cones(const NearCone* cones, std::size_t n, float spacing, float* 
           const Vec off = hn::Sub(s, s0);
           Vec value = hn::Sub(hn::Sqrt(hn::Add(h2, hn::Mul(off, off))),
                               hn::Add(hn::Set(f, c.radius), hn::Mul(s, hn::Set(f, c.grow))));
-          if (c.floor < 1) {
+          if (c.floor < round) {
             const Vec t = hn::Min(hn::Max(s0, zero), end);
-            const Vec depth =
-                hn::Mul(hn::Set(f, c.floor), hn::Add(hn::Set(f, c.radius), hn::Mul(t, hn::Set(f, c.grow))));
-            value = hn::Max(value, hn::Sub(hn::Add(lowest, hn::Mul(t, uz)), depth));
+            value = hn::Max(value, hn::Sub(hn::Add(hn::Add(lowest, hn::Mul(t, uz)),
+                                                   hn::Mul(hn::Abs(hn::Sub(s0, t)), ramp)),
+                                           hn::Set(f, c.floor)));
           }
           hn::StoreU(hn::Min(value, hn::LoadU(f, at)), f, at);
         }
@@ -111,9 +113,9 @@ double Cone::round(Vec3d p) const {
 
 double Cone::value(Vec3d p) const {
   const double own = round(p);
-  if (floor >= 1) return own;
-  const double s = std::clamp(dot(p - from, along), 0.0, length);
-  return std::max(own, from.z + along.z * s - floor * (radius + grow * s) - p.z);
+  if (floor >= round_floor) return own;
+  const double s0 = dot(p - from, along), s = std::clamp(s0, 0.0, length);
+  return std::max(own, from.z + along.z * s + floor_ramp * std::abs(s0 - s) - floor - p.z);
 }
 
 void least_values(std::span<const Cone* const> cones, Vec3d first, double spacing, float* out) {

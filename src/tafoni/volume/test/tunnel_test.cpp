@@ -40,7 +40,7 @@ TEST(Tunnel, DistanceIsThatOfTheSweptSpheres) {
     const Vec3d p{random.uniform(-6, 26), random.uniform(-6, 12), random.uniform(-6, 9)};
     ASSERT_NEAR(distance(tunnel, p), by_points(tunnel, p), 2e-5);
   }
-  const Tunnel swallowed{{{{0, 0, 0}, 5}, {{1, 0, 0}, 1}, {{9, 0, 0}, 1}}, 1};
+  const Tunnel swallowed{{{{0, 0, 0}, 5}, {{1, 0, 0}, 1}, {{9, 0, 0}, 1}}};
   for (int i = 0; i < 100; ++i) {
     const Vec3d p{random.uniform(-6, 12), random.uniform(-6, 6), random.uniform(-6, 6)};
     ASSERT_NEAR(distance(swallowed, p), by_points(swallowed, p), 2e-3);
