@@ -10,6 +10,7 @@
 
 #include "tafoni/core/atomic_file.h"
 #include "tafoni/io/format.h"
+#include "tafoni/mesh/texture.h"
 #include "tafoni/scene/mesh_scene.h"
 #include "tafoni/scene/volume_scene.h"
 
@@ -67,6 +68,9 @@ void OutputOptions::declare(Args& args) {
   args.number("--band", "M", band, 0, 1e5, "m",
               "Greatest magnitude of a volume's values, so that only what is near the surface takes space; 0 "
               "keeps all; default: four cells");
+  args.number(
+      "--texture", "M", texture, 1e-3, 1e6, "m",
+      "Give OBJ files texture coordinates, projected from the sides of a box; a picture covers M metres");
   args.flag("--half", half, "Write volumes in half precision");
   args.flag("--dry-run", dry_run, "Predict triangles, memory and bytes instead of writing");
 }
@@ -145,6 +149,10 @@ void check_outputs(const scene::Document& document, const std::string& scene_fil
   const Files files(outputs);
   if (files.volumes.empty() && (outputs.band || outputs.half))
     fail(ErrorKind::usage, "--band and --half are for volumes; give -o FILE.tvol or FILE.vdb");
+  if (outputs.texture && std::none_of(files.meshes.begin(), files.meshes.end(), [](const std::string& file) {
+        return io::format_of(file, {io::Ability::write_mesh}).name == "obj";
+      }))
+    fail(ErrorKind::usage, "--texture is for meshes that hold texture coordinates; give -o FILE.obj");
   if (!outputs.preview.empty()) io::format_of(outputs.preview, io::Ability::write_image);
   const bool tiled = outputs.tiles.value_or(1) > 1;
   if (tiled && !files.volumes.empty())
@@ -278,13 +286,15 @@ void print_prediction(const scene::BuiltScene& scene, Console& console) {
 }
 
 scene::MeshResult write_tiles(const scene::BuiltScene& scene, const std::vector<std::string>& files,
-                              std::int64_t tiles, std::vector<fs::path>& written, Console& console) {
+                              const OutputOptions& outputs, std::vector<fs::path>& written,
+                              Console& console) {
   std::deque<TileFolder> folders;
   for (const std::string& file : files) folders.emplace_back(file);
   scene::MeshResult result = scene::mesh_scene_tiles(
-      scene, static_cast<int>(tiles),
+      scene, static_cast<int>(*outputs.tiles),
       [&](mesh::TileIndex index, mesh::Mesh&& tile) {
         if (tile.triangles.empty()) return;
+        if (outputs.texture) mesh::box_texture(tile, *outputs.texture);
         for (std::size_t i = 0; i < files.size(); ++i)
           io::write_mesh(folders[i].next(index), tile, metadata(scene, files[i]), console);
       },
@@ -295,20 +305,22 @@ scene::MeshResult write_tiles(const scene::BuiltScene& scene, const std::vector<
 }
 
 scene::MeshResult write_whole(const scene::BuiltScene& scene, const std::vector<std::string>& files,
-                              const std::string& preview, std::vector<fs::path>& written, Console& console) {
+                              const OutputOptions& outputs, std::vector<fs::path>& written,
+                              Console& console) {
   scene::MeshResult result = scene::mesh_scene(scene, console);
   if (result.mesh.triangles.empty())
     fail(ErrorKind::input, "the scene has no surface; check the terrain's window, domain and voxel size");
+  if (outputs.texture) mesh::box_texture(result.mesh, *outputs.texture);
   for (const std::string& file : files) {
     io::write_mesh(file, result.mesh, metadata(scene, file), console);
     written.emplace_back(file);
   }
-  if (!preview.empty()) {
+  if (!outputs.preview.empty()) {
     render::RenderSettings settings;
     settings.sea_level = scene::sea_level(scene.document);
     const render::Scene picture(result.mesh, console);
-    io::write_image(preview, picture.render(picture.frame(settings), settings, console));
-    written.emplace_back(preview);
+    io::write_image(outputs.preview, picture.render(picture.frame(settings), settings, console));
+    written.emplace_back(outputs.preview);
   }
   return result;
 }
@@ -343,9 +355,9 @@ void run_scene(const scene::Document& document, const std::string& scene_file, c
     const std::int64_t tiles = outputs.tiles.value_or(1);
     std::optional<scene::MeshResult> result;
     if (tiles > 1 && !files.meshes.empty())
-      result = write_tiles(scene, files.meshes, tiles, written, console);
+      result = write_tiles(scene, files.meshes, outputs, written, console);
     else if (!files.meshes.empty() || !outputs.preview.empty() || !outputs.report.empty())
-      result = write_whole(scene, files.meshes, outputs.preview, written, console);
+      result = write_whole(scene, files.meshes, outputs, written, console);
     const std::string report = scene::report_json(scene, result ? &*result : nullptr, console.warnings());
     if (!outputs.report.empty()) {
       write_file(outputs.report, report);

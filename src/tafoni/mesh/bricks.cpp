@@ -82,6 +82,7 @@ void BrickPolygonizer::polygonize(const field::ChunkSamples& samples, const fiel
   out.positions.clear();
   out.normals.clear();
   out.colors.clear();
+  out.texture.clear();
   out.triangles.clear();
   if (!s.choose_cells(samples, box)) return;
   constexpr int n = field::brick_cells;

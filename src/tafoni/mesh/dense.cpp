@@ -98,6 +98,7 @@ void polygonize_grid(const DenseGrid& grid, bool normals, Mesh& out) {
   out.positions.clear();
   out.normals.clear();
   out.colors.clear();
+  out.texture.clear();
   out.triangles.clear();
   impl::BlockWalker walker;
   const std::vector<std::uint64_t> bits = all_signs(grid);

@@ -16,6 +16,8 @@ struct Mesh {
   std::vector<Vec3f> normals;                       ///< unit, outward; empty or one a position
   std::vector<std::array<std::uint8_t, 4>> colors;  ///< linear RGBA; empty or one a position
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  /// Texture coordinates; empty or one a triangle's corner, so that seams need no vertices of their own.
+  std::vector<std::array<Vec2<float>, 3>> texture;
 };
 
 }  // namespace tafoni::mesh

@@ -24,6 +24,31 @@ void put_index(std::string& block, std::uint64_t value) {
   block.append(text, std::to_chars(text, text + sizeof text, value).ptr);
 }
 
+/// The texture coordinates of a mesh, each pair once a vertex, and which of them each corner has.
+struct Texture {
+  std::vector<Vec2<float>> pairs;
+  std::vector<std::array<std::uint32_t, 3>> corners;
+
+  explicit Texture(const mesh::Mesh& mesh) {
+    constexpr std::uint32_t none = 0xffffffff;
+    std::vector<std::uint32_t> first(mesh.texture.empty() ? 0 : mesh.positions.size(), none), next;
+    corners.resize(mesh.texture.size());
+    for (std::size_t t = 0; t < mesh.texture.size(); ++t)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const Vec2<float> pair = mesh.texture[t][c];
+        std::uint32_t at = first[mesh.triangles[t][c]];
+        while (at != none && pairs[at] != pair) at = next[at];
+        if (at == none) {
+          at = static_cast<std::uint32_t>(pairs.size());
+          pairs.push_back(pair);
+          next.push_back(first[mesh.triangles[t][c]]);
+          first[mesh.triangles[t][c]] = at;
+        }
+        corners[t][c] = at;
+      }
+  }
+};
+
 void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata& metadata, Progress& progress) {
   out.write(fmt::format("# tafoni: metres, z up\n{}{}\n", origin_key, impl::origin_text(mesh.origin)));
   if (!metadata.crs.empty()) out.write("# crs " + impl::one_line(metadata.crs) + '\n');
@@ -46,20 +71,31 @@ void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata& metadata
       for (const float x : {mesh.normals[i].x, mesh.normals[i].y, mesh.normals[i].z}) put_number(block, x);
       block += '\n';
     });
+  const Texture texture(mesh);
+  const bool textured = !texture.corners.empty();
+  impl::write_items(out, texture.pairs.size(), uncounted, [&](std::string& block, std::size_t i) {
+    block += "vt";
+    for (const float x : {texture.pairs[i].x, texture.pairs[i].y}) put_number(block, x);
+    block += '\n';
+  });
   impl::write_items(out, mesh.triangles.size(), progress, [&](std::string& block, std::size_t i) {
     block += 'f';
-    for (const std::uint32_t v : mesh.triangles[i]) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint64_t v = std::uint64_t{mesh.triangles[i][c]} + 1;
       block += ' ';
-      put_index(block, std::uint64_t{v} + 1);
+      put_index(block, v);
+      if (!smooth && !textured) continue;
+      block += '/';
+      if (textured) put_index(block, std::uint64_t{texture.corners[i][c]} + 1);
       if (!smooth) continue;
-      block += "//";
-      put_index(block, std::uint64_t{v} + 1);
+      block += '/';
+      put_index(block, v);
     }
     block += '\n';
   });
 }
 
-/// Reads v, vn and f; whatever else a file says (groups, materials, texture coordinates) is passed over.
+/// Reads v, vt, vn and f; whatever else a file says (groups, materials) is passed over.
 class Reader {
  public:
   Reader(std::string_view text, std::string_view file) : cursor_(text, file) {
@@ -73,12 +109,15 @@ class Reader {
         vertex();
       else if (word == "vn")
         normals_.push_back(to_float(triple()));
+      else if (word == "vt")
+        pair();
       else if (word == "f")
         face();
       cursor_.rest_of_line();
     }
     if (mesh_.triangles.empty()) cursor_.fail_here("there is no face");
     if (conflict_ || !used_normals_) mesh_.normals.clear();
+    if (untextured_) mesh_.texture.clear();
     return std::move(mesh_);
   }
 
@@ -87,6 +126,14 @@ class Reader {
     Vec3d p;
     for (double* x : {&p.x, &p.y, &p.z}) *x = cursor_.number(cursor_.token());
     return p;
+  }
+
+  void pair() {
+    Vec2<float> p;
+    p.x = static_cast<float>(cursor_.number(cursor_.token()));
+    const std::string_view second = cursor_.token();
+    if (!second.empty()) p.y = static_cast<float>(cursor_.number(second));
+    pairs_.push_back(p);
   }
 
   void vertex() {
@@ -111,16 +158,22 @@ class Reader {
 
   void face() {
     polygon_.clear();
+    corners_.clear();
     for (std::string_view word = cursor_.token(); !word.empty(); word = cursor_.token()) {
       const std::size_t slash = word.find('/');
       const std::uint32_t v = index(word.substr(0, slash), mesh_.positions.size());
       polygon_.push_back(v);
       if (slash == word.npos) continue;
       const std::size_t second = word.find('/', slash + 1);
+      const std::string_view pair = word.substr(slash + 1, second - slash - 1);
+      if (!pair.empty()) corners_.push_back(pairs_[index(pair, pairs_.size())]);
       if (second != word.npos && second + 1 < word.size())
         use_normal(v, normals_[index(word.substr(second + 1), normals_.size())]);
     }
     impl::add_fan(mesh_.triangles, polygon_);
+    untextured_ |= corners_.size() != polygon_.size();
+    for (std::size_t i = 2; i < polygon_.size() && !untextured_; ++i)
+      mesh_.texture.push_back({corners_[0], corners_[i - 1], corners_[i]});
   }
 
   /// A vertex with two normals lies on a hard edge; a smooth normal a vertex cannot say that.
@@ -138,7 +191,9 @@ class Reader {
   mesh::Mesh mesh_;
   std::vector<Vec3f> normals_;
   std::vector<std::uint32_t> polygon_;
+  std::vector<Vec2<float>> pairs_, corners_;
   bool used_normals_ = false, conflict_ = false;
+  bool untextured_ = false;  ///< a corner has no texture coordinates
 };
 
 mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
@@ -148,14 +203,15 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
 }  // namespace
 
 const FormatType& format_obj() {
-  static const FormatType type{.name = "obj",
-                               .doc = "Wavefront text with normals and vertex colours (sRGB), z up",
-                               .source = "Wavefront Advanced Visualizer manual, appendix B1",
-                               .extensions = {"obj"},
-                               .params = {},
-                               .write_mesh = write,
-                               .read_mesh = read,
-                               .write_image = nullptr};
+  static const FormatType type{
+      .name = "obj",
+      .doc = "Wavefront text with normals, texture coordinates and vertex colours (sRGB), z up",
+      .source = "Wavefront Advanced Visualizer manual, appendix B1",
+      .extensions = {"obj"},
+      .params = {},
+      .write_mesh = write,
+      .read_mesh = read,
+      .write_image = nullptr};
   return type;
 }
 

@@ -143,6 +143,7 @@ void check_read(mesh::Mesh& mesh, std::string_view file) {
              file, i, v, vertices);
   if (mesh.normals.size() != vertices || !normalize(mesh.normals)) mesh.normals.clear();
   if (mesh.colors.size() != vertices) mesh.colors.clear();
+  if (mesh.texture.size() != mesh.triangles.size()) mesh.texture.clear();
 }
 
 }  // namespace tafoni::io::impl

@@ -15,6 +15,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
 #include "tafoni/io/impl/reading.h"
+#include "tafoni/mesh/texture.h"
 
 namespace tafoni::io {
 namespace {
@@ -263,6 +264,38 @@ TEST(Glb, KhronosValidatorFindsNothing) {
   ASSERT_TRUE(WIFEXITED(status));
   if (WEXITSTATUS(status) == 77) GTEST_SKIP() << "gltf-validator is not installed";
   EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+TEST(Obj, KeepsTextureCoordinatesAndSharedVertices) {
+  mesh::Mesh mesh = bumpy_sphere();
+  mesh::box_texture(mesh, 3);
+  for (const bool smooth : {true, false}) {
+    if (!smooth) mesh.normals.clear();
+    const auto path = temporary("textured.obj");
+    write_mesh(path, mesh);
+    const mesh::Mesh back = read_mesh(path);
+    EXPECT_EQ(back.positions, mesh.positions);
+    EXPECT_EQ(back.triangles, mesh.triangles);
+    EXPECT_EQ(back.texture, mesh.texture);
+    EXPECT_EQ(back.normals.empty(), !smooth);
+  }
+  for (const char* name : {"textured.glb", "textured.ply", "textured.stl"}) {
+    write_mesh(temporary(name), mesh);
+    EXPECT_TRUE(read_mesh(temporary(name)).texture.empty()) << name;
+  }
+}
+
+TEST(Obj, ReadsCornersWithAndWithoutTexture) {
+  const auto read = [](const std::string& text) {
+    std::ofstream(temporary("corners.obj")) << text;
+    return read_mesh(temporary("corners.obj"));
+  };
+  const std::string points = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0.5 0.25\nvt 1\n";
+  const mesh::Mesh quad = read(points + "f 1/1 2/2 3/1 4/2\n");
+  ASSERT_EQ(quad.texture.size(), 2u);
+  EXPECT_EQ(quad.texture[1][2], (Vec2<float>{1, 0}));
+  EXPECT_TRUE(read(points + "f 1/1 2/2 3/1\nf 1 3 4\n").texture.empty());
+  EXPECT_THROW(read(points + "f 1/1 2/3 3/1\n"), Error);
 }
 
 }  // namespace

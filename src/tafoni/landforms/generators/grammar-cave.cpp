@@ -277,7 +277,7 @@ class Cave {
 
   /// A cone that opens outward, on which the grammar goes on at its inner end.
   void begin(double length) {
-    constexpr double before = 1.5;
+    constexpr double before = 1;
     const double wide = flare * p_.passage;
     const auto& cone = grammar::find_solid("cone");
     grammar::Shape shape =
@@ -285,8 +285,18 @@ class Cave {
     Pose pose = grammar::turn({0, 0, 1}, {1, 0, 0});
     pose.at = {(length - before) / 2, 0, way_.lift};
     std::erase_if(shape.bonds, [](const grammar::Bond& bond) { return bond.direction.z < 0.99; });
+    shape.form = placed(shape.form, pose);
+    shape.bounds = pose.placed(shape.bounds);
+    for (grammar::Bond& bond : shape.bonds) bond = pose.placed(bond);
+    // Weather has widened it into a niche.
+    const auto& ellipsoid = grammar::find_solid("ellipsoid");
+    grammar::Shape niche = shape_of(ellipsoid.make(ellipsoid.fit({0.5 * length, 1.3 * wide, wide})));
+    Pose at;
+    at.at = {0.5 * length - before, 0, 0.6 * way_.lift};
+    shape.form = grammar::combined(grammar::Operation::sum, shape.form, placed(niche.form, at));
+    shape.bounds.expand(at.placed(niche.bounds));
     base_ = {};
-    base_.begin(shape, pose);
+    base_.begin(shape);
   }
 
   /// As short a passage as lets the grammar grow, but no shorter.
@@ -335,8 +345,8 @@ class Cave {
     Vec3d outside = frame_.placed(Vec3d{-apron, 0, 0});
     outside.z = ground_.height(outside.x, outside.y);
     const Vec3d mouth = frame_.at, inner = frame_.placed(nodes[0].at);
-    const double wide = flare * p_.passage + 0.5;
-    found_.stretches.push_back({outside, mouth, wide});
+    const double wide = 1.3 * flare * p_.passage + 0.5;
+    found_.stretches.push_back({outside, mouth, wide, hinders(outside, mouth)});
     found_.stretches.push_back({mouth, inner, wide});
     std::vector<Vec3d> back;
     for (auto i = static_cast<int>(last); i > 0; i = nodes[static_cast<std::size_t>(i)].parent) {
@@ -345,6 +355,16 @@ class Cave {
     }
     found_.route = {outside, mouth, inner};
     found_.route.insert(found_.route.end(), back.rbegin(), back.rend());
+  }
+
+  /// Whether the ground lies higher than a step above a way in the open.
+  bool hinders(Vec3d from, Vec3d to) const {
+    constexpr double step = 0.4;
+    for (double t = 0; t <= 1; t += 0.1) {
+      const Vec3d p = from + (to - from) * t;
+      if (ground_.height(p.x, p.y) > p.z + step) return true;
+    }
+    return false;
   }
 
   void add(Vec3d from, Vec3d to) { found_.stretches.push_back({frame_.placed(from), frame_.placed(to)}); }

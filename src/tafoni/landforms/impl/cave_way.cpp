@@ -46,6 +46,7 @@ class Gentle : public field::Function {
 class Room final : public Gentle {
  public:
   Room(std::vector<Stretch> way, const WaySettings& settings) : Gentle(std::move(way), settings, 1, 0) {
+    std::erase_if(way_, [](const Stretch& s) { return !s.room; });
     for (Stretch& s : way_) s.from.z += settings.lift, s.to.z += settings.lift;
   }
 

@@ -13,6 +13,7 @@ namespace tafoni::landforms::impl {
 struct Stretch {
   Vec3d from, to;
   double width = 1.2;  ///< metres to each side over which the floor is level
+  bool room = true;    ///< whether rock is taken out along it
 };
 
 struct WaySettings {
