@@ -55,7 +55,7 @@ struct GridMesherSettings {
 };
 
 /// Not for several threads at once, but works on several itself. Besides the meshes, holds 20 KB a chunk with
-/// surface and 4 bytes a vertex.
+/// surface, 25 KB with polygons.
 class GridMesher {
  public:
   explicit GridMesher(const GridMesherSettings& settings = {});
