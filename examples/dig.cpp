@@ -27,10 +27,9 @@ int main() try {
   for (const Vec3i index : first.chunks) triangles += ground.chunk(index).mesh->triangles.size();
   std::printf("%zu chunks, %zu triangles\n", first.chunks.size(), triangles);
 
-  // A tunnel, dug ball by ball from a place on the ground, northwards and down. Positions are in the scene's
+  // A tunnel, dug ball by ball from a ledge of the cliff, northwards and down. Positions are in the scene's
   // CRS.
-  const Vec3d middle = ground.snapshot()->origin();
-  const auto grass = ground.snapshot()->ray(middle + Vec3d{0, 0, 500}, {0, 0, -1}, 1000);
+  const auto grass = ground.snapshot()->ray({60, 45, 500}, {0, 0, -1}, 1000);
   if (!grass) return 1;
   const Vec3d entrance = grass->point, north{0, 0.95, -0.3};
   for (int i = 0; i < 30; ++i) ground.apply(Tool::sphere(entrance + i * north, 2), Edit::remove);
