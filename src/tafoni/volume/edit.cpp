@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "tafoni/core/error.h"
-#include "tafoni/volume/impl/edit_rows.h"
+#include "tafoni/volume/impl/tool_shape.h"
 
 namespace tafoni::volume {
 namespace {
@@ -38,30 +38,30 @@ constexpr Ball everywhere{{}, std::numeric_limits<double>::infinity()};
 
 constexpr int most = ScalarGrid::chunk_samples;  ///< samples in a run
 
-/// change(run, values) over the runs of samples in the box and the ball.
-template <class F>
-SampleBox edit_runs(ScalarGrid& grid, const Box3d& box, const Ball& ball, const F& change) {
-  const GridFrame frame = grid.frame();
-  return grid.edit(grid.samples_in(box), [&](Vec3i first, std::span<float> row) {
-    const Vec3d start = frame.position(first);
-    const auto [begin, end] = ball.within(start, frame.spacing, static_cast<int>(row.size()));
-    if (begin < end)
-      change(impl::SampleRun{frame.origin.x, frame.spacing, start.y, start.z, first.x + begin, end - begin},
-             row.data() + begin);
-  });
-}
-
 /// Gives samples of the box and the ball the values change(about(position), value). Two plain loops are what
 /// compilers make vectors of.
 template <class F, class G>
 SampleBox edit_samples(ScalarGrid& grid, const Box3d& box, const Ball& ball, const F& about,
                        const G& change) {
-  return edit_runs(grid, box, ball, [&](const impl::SampleRun& run, float* values) {
+  const GridFrame frame = grid.frame();
+  return grid.edit(grid.samples_in(box), [&](Vec3i first, std::span<float> row) {
+    const Vec3d start = frame.position(first);
+    const auto [begin, end] = ball.within(start, frame.spacing, static_cast<int>(row.size()));
+    const int from = first.x + begin, n = end - begin;
     double found[most];
-    for (int i = 0; i < run.n; ++i)
-      found[i] = about(Vec3d{run.origin + run.spacing * (run.first + i), run.y, run.z});
-    for (int i = 0; i < run.n; ++i) values[i] = change(found[i], values[i]);
+    for (int i = 0; i < n; ++i)
+      found[i] = about(Vec3d{frame.origin.x + frame.spacing * (from + i), start.y, start.z});
+    float* values = row.data() + begin;
+    for (int i = 0; i < n; ++i) values[i] = change(found[i], values[i]);
   });
+}
+
+template <class Solid>
+Ball reach(const Solid&, double) {
+  return everywhere;
+}
+Ball reach(const impl::Sphere& sphere, double amplitude) {
+  return {sphere.center, sphere.radius + amplitude};
 }
 
 template <class Solid>
@@ -75,26 +75,6 @@ double distance(const impl::Hull& hull, const Box3d& bounds, Vec3d p) {
                    std::max({bounds.lo.y - p.y, p.y - bounds.hi.y, 0.0}),
                    std::max({bounds.lo.z - p.z, p.z - bounds.hi.z, 0.0})};
   return std::min(hull.distance(p), -length(over));
-}
-
-template <class Solid>
-SampleBox combine(ScalarGrid& grid, const Solid& solid, const Box3d& bounds, Edit edit, double amplitude) {
-  const Box3d box = bounds.grown(amplitude);
-  const auto limited = [&](Vec3d p) { return std::min(distance(solid, bounds, p), amplitude); };
-  if (edit == Edit::add)
-    return edit_samples(grid, box, everywhere, limited, [&](double d, float v) {
-      return d > -amplitude ? std::max(v, static_cast<float>(d)) : v;
-    });
-  return edit_samples(grid, box, everywhere, limited, [&](double d, float v) {
-    return d > -amplitude ? std::min(v, static_cast<float>(-d)) : v;
-  });
-}
-
-SampleBox combine(ScalarGrid& grid, const impl::Sphere& ball, const Box3d& bounds, Edit edit,
-                  double amplitude) {
-  return edit_runs(
-      grid, bounds.grown(amplitude), {ball.center, ball.radius + amplitude},
-      [&](const impl::SampleRun& run, float* values) { impl::combine(ball, edit, amplitude, run, values); });
 }
 
 template <class Change>
@@ -118,9 +98,20 @@ SampleBox add_falloff(ScalarGrid& grid, Vec3d center, double radius, double ampl
 
 SampleBox apply(ScalarGrid& grid, const Tool& tool, Edit edit, double amplitude) {
   check(amplitude, 1, {});
-  const Box3d bounds = tool.bounds();
-  return std::visit([&](const auto& solid) { return combine(grid, solid, bounds, edit, amplitude); },
-                    tool.shape().solid);
+  const Box3d bounds = tool.bounds(), box = bounds.grown(amplitude);
+  return std::visit(
+      [&](const auto& solid) {
+        const Ball ball = reach(solid, amplitude);
+        const auto limited = [&](Vec3d p) { return std::min(distance(solid, bounds, p), amplitude); };
+        if (edit == Edit::add)
+          return edit_samples(grid, box, ball, limited, [&](double d, float v) {
+            return d > -amplitude ? std::max(v, static_cast<float>(d)) : v;
+          });
+        return edit_samples(grid, box, ball, limited, [&](double d, float v) {
+          return d > -amplitude ? std::min(v, static_cast<float>(-d)) : v;
+        });
+      },
+      tool.shape().solid);
 }
 
 SampleBox add_radial(ScalarGrid& grid, Vec3d center, double radius,
