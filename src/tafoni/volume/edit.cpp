@@ -23,11 +23,11 @@ struct Ball {
   Vec3d center;
   double radius;
 
-  /// The samples of a row that may lie in it, as [first, second).
-  std::pair<int, int> within(Vec3d start, double spacing, int n) const {
+  /// The samples of a row, so many per metre, that may lie in it, as [first, second).
+  std::pair<int, int> within(Vec3d start, double per_metre, int n) const {
     const double y = start.y - center.y, z = start.z - center.z, left = radius * radius - y * y - z * z;
     if (!(left >= 0)) return {0, 0};
-    const double half = std::sqrt(left) / spacing, middle = (center.x - start.x) / spacing;
+    const double half = std::sqrt(left) * per_metre, middle = (center.x - start.x) * per_metre;
     const auto limited = [n](double v) {
       return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(n)));
     };
@@ -44,9 +44,10 @@ template <class F, class G>
 SampleBox edit_samples(ScalarGrid& grid, const Box3d& box, const Ball& ball, const F& about,
                        const G& change) {
   const GridFrame frame = grid.frame();
+  const double per_metre = 1 / frame.spacing;
   return grid.edit(grid.samples_in(box), [&](Vec3i first, std::span<float> row) {
     const Vec3d start = frame.position(first);
-    const auto [begin, end] = ball.within(start, frame.spacing, static_cast<int>(row.size()));
+    const auto [begin, end] = ball.within(start, per_metre, static_cast<int>(row.size()));
     const int from = first.x + begin, n = end - begin;
     double found[most];
     for (int i = 0; i < n; ++i)
