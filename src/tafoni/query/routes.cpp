@@ -11,7 +11,7 @@ namespace tafoni::query {
 namespace {
 
 /// Metres. A walker this near to a place has come to it.
-constexpr double close = 0.02;
+constexpr double close = 0.005;
 
 double level_distance(Vec3d a, Vec3d b) {
   return std::hypot(a.x - b.x, a.y - b.y);
