@@ -7,7 +7,6 @@
 namespace tafoni::field {
 
 using impl::brick_index;
-using impl::excludes_zero;
 using impl::sides;
 
 namespace {
@@ -29,7 +28,8 @@ struct ChunkEvaluator::State {
   impl::ChunkWork work;
   std::vector<std::uint32_t> cursor, order, bricks_of;
 
-  State(const impl::Program& program, double voxel) : frame{voxel, {}, {}, {}, {}}, work(program, frame) {
+  State(const impl::Program& program, double voxel, Vec3d origin, float band)
+      : frame{voxel, origin, band, {}, {}, {}, {}}, work(program, frame) {
     if (!(voxel > 0) || !std::isfinite(voxel))
       fail(ErrorKind::usage, "the voxel size must be a positive length in metres");
   }
@@ -39,21 +39,24 @@ struct ChunkEvaluator::State {
   int lowest(int from, int to);
 };
 
-ChunkEvaluator::ChunkEvaluator(const CompiledField& field, double voxel)
-    : state_(std::make_unique<State>(field.program(), voxel)) {}
+ChunkEvaluator::ChunkEvaluator(const CompiledField& field, double voxel, Vec3d origin, float band)
+    : state_(std::make_unique<State>(field.program(), voxel, origin, band)) {}
 ChunkEvaluator::~ChunkEvaluator() = default;
 
 ChunkEvaluator::Range ChunkEvaluator::column(int a, int b) {
   State& s = *state_;
   s.frame.chunk = {a, b, 0};
-  s.frame.x.set(static_cast<std::int64_t>(a) * chunk_cells, s.frame.voxel);
-  s.frame.y.set(static_cast<std::int64_t>(b) * chunk_cells, s.frame.voxel);
+  s.frame.x.set(static_cast<std::int64_t>(a) * chunk_cells, s.frame.voxel, s.frame.origin.x);
+  s.frame.y.set(static_cast<std::int64_t>(b) * chunk_cells, s.frame.voxel, s.frame.origin.y);
   const Interval z = s.work.set_column();
   const double size = s.frame.voxel * chunk_cells;
   Range range;
-  if (z.lo <= z.hi)
-    range = {static_cast<int>(std::floor(z.lo / size)) - (z.lo == std::floor(z.lo / size) * size ? 1 : 0),
-             static_cast<int>(std::floor(z.hi / size))};
+  if (z.lo <= z.hi) {
+    const double lo = static_cast<double>(z.lo) - s.frame.origin.z,
+                 hi = static_cast<double>(z.hi) - s.frame.origin.z;
+    range = {static_cast<int>(std::floor(lo / size)) - (lo == std::floor(lo / size) * size ? 1 : 0),
+             static_cast<int>(std::floor(hi / size))};
+  }
   return s.work.program().nested.empty() ? range : s.widened(range);
 }
 
@@ -71,7 +74,9 @@ ChunkEvaluator::Range ChunkEvaluator::State::widened(Range known) {
 /// The greatest chunk of the column in [from, to] whose bare range may hold 0; from - 1 when there is none.
 int ChunkEvaluator::State::highest(int from, int to) {
   const double size = frame.voxel * chunk_cells;
-  if (from > to || excludes_zero(work.bare_range(from * size, (to + 1) * size))) return from - 1;
+  if (from > to ||
+      frame.beyond(work.bare_range(frame.origin.z + from * size, frame.origin.z + (to + 1) * size)))
+    return from - 1;
   if (from == to) return from;
   const int middle = from + (to - from) / 2, upper = highest(middle + 1, to);
   return upper > middle ? upper : highest(from, middle);
@@ -80,7 +85,9 @@ int ChunkEvaluator::State::highest(int from, int to) {
 /// The least; to + 1 when there is none.
 int ChunkEvaluator::State::lowest(int from, int to) {
   const double size = frame.voxel * chunk_cells;
-  if (from > to || excludes_zero(work.bare_range(from * size, (to + 1) * size))) return to + 1;
+  if (from > to ||
+      frame.beyond(work.bare_range(frame.origin.z + from * size, frame.origin.z + (to + 1) * size)))
+    return to + 1;
   if (from == to) return from;
   const int middle = from + (to - from) / 2, lower = lowest(from, middle);
   return lower <= middle ? lower : lowest(middle + 1, to);
@@ -112,12 +119,12 @@ bool ChunkEvaluator::evaluate(int c, const BrickBox& box, ChunkSamples& out) {
   State& s = *state_;
   impl::ChunkFrame& frame = s.frame;
   frame.chunk.z = c;
-  frame.z.set(static_cast<std::int64_t>(c) * chunk_cells, frame.voxel);
+  frame.z.set(static_cast<std::int64_t>(c) * chunk_cells, frame.voxel, frame.origin.z);
   out.chunk = frame.chunk;
   out.evaluated = 0;
   out.f.resize(static_cast<std::size_t>(ChunkSamples::nx * ChunkSamples::ny * ChunkSamples::nz));
   const bool bare = s.work.set_chunk(box) == 0 &&
-                    excludes_zero(s.work.bare_range(frame.z.metres[0], frame.z.metres[chunk_cells]));
+                    frame.beyond(s.work.bare_range(frame.z.metres[0], frame.z.metres[chunk_cells]));
   bool any = false;
   for (int bz = box.lo.z; bz <= box.hi.z; ++bz)
     for (int by = box.lo.y; by <= box.hi.y; ++by)

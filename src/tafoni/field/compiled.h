@@ -74,7 +74,9 @@ struct ChunkSamples {
 /// Evaluates chunks of one field on one lattice. One a thread; reuses its memory between chunks.
 class ChunkEvaluator {
  public:
-  ChunkEvaluator(const CompiledField& field, double voxel);
+  /// On the lattice whose sample (0, 0, 0) lies at `origin`: sample (i, j, k) at origin + voxel * (i, j, k).
+  /// A brick is active where values from -band to band are possible.
+  ChunkEvaluator(const CompiledField& field, double voxel, Vec3d origin = {}, float band = 0);
   ~ChunkEvaluator();
   ChunkEvaluator(const ChunkEvaluator&) = delete;
   ChunkEvaluator& operator=(const ChunkEvaluator&) = delete;
@@ -86,7 +88,7 @@ class ChunkEvaluator {
   };
   Range column(int a, int b);
   /// Samples of chunk (a, b, c) of the column last prepared. False when no brick is active.
-  /// An inactive brick holds no sign change among the 9^3 samples of its cells' closure.
+  /// The 9^3 samples of an inactive brick's closure lie all above the band or all below it.
   bool evaluate(int c, ChunkSamples& out);
   /// The same of the bricks in `box` alone, for a field that changed within them: out.active keeps the flags
   /// of the other bricks, and of the samples only those that active bricks of the box read are written. False

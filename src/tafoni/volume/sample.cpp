@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -11,29 +14,55 @@
 namespace tafoni::volume {
 namespace {
 
-constexpr int side = ScalarGrid::chunk_samples;
-constexpr int brick = 8;
+constexpr int columns_at_once = 16;
+constexpr int side = ScalarGrid::chunk_samples, block_side = field::chunk_cells, brick = field::brick_cells;
+static_assert(block_side % side == 0 && side % brick == 0);
 
-/// One chunk's samples in the making; one a thread.
-class ChunkSampler {
+/// A chunk of the grid: all samples alike, or one by one, x fastest.
+struct Made {
+  SampleBox box;
+  std::optional<float> same;
+  std::vector<float> values;
+};
+
+SampleBox common(const SampleBox& a, Vec3i lo, int size) {
+  return {lo,
+          {std::min(lo.x + size - 1, a.hi.x), std::min(lo.y + size - 1, a.hi.y),
+           std::min(lo.z + size - 1, a.hi.z)}};
+}
+
+/// Samples a column of blocks of 64^3 samples. One a thread.
+class ColumnSampler {
  public:
-  ChunkSampler(const field::CompiledField& field, const GridFrame& frame, float band)
-      : field_(field), frame_(frame), band_(band) {}
+  ColumnSampler(const field::CompiledField& field, const GridFrame& frame, float band)
+      : field_(field),
+        frame_(frame),
+        band_(band),
+        evaluator_(field, frame.spacing, frame.origin,
+                   band > 0 ? band : std::numeric_limits<float>::infinity()) {}
 
-  /// Fills out[(z * ny + y) * nx + x] of the box, at most a chunk. Gives the value where all are the same.
-  std::optional<float> run(const SampleBox& box, std::vector<float>& out) {
-    box_ = box;
-    size_ = box.size();
-    if (const auto same = constant(box)) return same;
-    out.resize(static_cast<std::size_t>(size_.x) * static_cast<std::size_t>(size_.y) *
-               static_cast<std::size_t>(size_.z));
-    points_.clear(), places_.clear();
-    split(box, side / 2, out);
-    values_.resize(points_.size());
-    field_.values(points_, values_);
-    for (std::size_t i = 0; i < values_.size(); ++i)
-      out[places_[i]] = band_ > 0 ? std::clamp(values_[i], -band_, band_) : values_[i];
-    return {};
+  /// The chunks of column (a, b) of blocks, from the lowest up.
+  void run(int a, int b, std::vector<Made>& out) {
+    out.clear();
+    const SampleBox all{{0, 0, 0}, {frame_.size.x - 1, frame_.size.y - 1, frame_.size.z - 1}};
+    bool prepared = false;
+    for (int c = 0; c * block_side < frame_.size.z; ++c) {
+      const SampleBox block = common(all, {a * block_side, b * block_side, c * block_side}, block_side);
+      const auto same = constant(block);
+      if (!same) {
+        if (!prepared) evaluator_.column(a, b);
+        prepared = true;
+        evaluate(block, c);
+      }
+      for (int z = block.lo.z; z <= block.hi.z; z += side)
+        for (int y = block.lo.y; y <= block.hi.y; y += side)
+          for (int x = block.lo.x; x <= block.hi.x; x += side) {
+            Made& made = out.emplace_back();
+            made.box = common(block, {x, y, z}, side);
+            made.same = same ? same : constant(made.box);
+            if (!made.same) gather(block.lo, made);
+          }
+    }
   }
 
  private:
@@ -46,58 +75,47 @@ class ChunkSampler {
     return {};
   }
 
-  /// Fills what is constant, down to bricks, and collects the points of the rest.
-  void split(const SampleBox& box, int step, std::vector<float>& out) {
-    for (int z = box.lo.z; z <= box.hi.z; z += step)
-      for (int y = box.lo.y; y <= box.hi.y; y += step)
-        for (int x = box.lo.x; x <= box.hi.x; x += step) {
-          const SampleBox part{{x, y, z},
-                               {std::min(x + step - 1, box.hi.x), std::min(y + step - 1, box.hi.y),
-                                std::min(z + step - 1, box.hi.z)}};
-          if (const auto same = constant(part))
-            each(part, [&](Vec3i, std::size_t place) { out[place] = *same; });
-          else if (step > brick)
-            split(part, step / 2, out);
-          else
-            each(part, [&](Vec3i at, std::size_t place) {
-              points_.push_back(frame_.position(at));
-              places_.push_back(static_cast<std::uint32_t>(place));
-            });
-        }
+  void evaluate(const SampleBox& block, int c) {
+    const Vec3i n = block.size();
+    std::fill(std::begin(samples_.active), std::end(samples_.active), 0);
+    evaluator_.evaluate(c, {{0, 0, 0}, {(n.x - 1) / brick, (n.y - 1) / brick, (n.z - 1) / brick}}, samples_);
   }
 
-  template <class Visit>
-  void each(const SampleBox& part, const Visit& visit) const {
-    for (int z = part.lo.z; z <= part.hi.z; ++z)
-      for (int y = part.lo.y; y <= part.hi.y; ++y)
-        for (int x = part.lo.x; x <= part.hi.x; ++x)
-          visit({x, y, z}, static_cast<std::size_t>(((z - box_.lo.z) * size_.y + (y - box_.lo.y)) * size_.x +
-                                                    (x - box_.lo.x)));
+  /// Copies a chunk's samples out of the block that begins at `first`.
+  void gather(Vec3i first, Made& made) const {
+    const SampleBox& box = made.box;
+    const Vec3i n = box.size();
+    made.values.resize(static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) *
+                       static_cast<std::size_t>(n.z));
+    for (int z = box.lo.z; z <= box.hi.z; z += brick)
+      for (int y = box.lo.y; y <= box.hi.y; y += brick)
+        for (int x = box.lo.x; x <= box.hi.x; x += brick) gather_brick(first, {x, y, z}, made);
+    const std::vector<float>& v = made.values;
+    if (std::memcmp(v.data(), v.data() + 1, (v.size() - 1) * sizeof(float)) == 0) made.same = v.front();
+  }
+
+  void gather_brick(Vec3i first, Vec3i lo, Made& made) const {
+    const Vec3i n = made.box.size(), at = lo - first, to = lo - made.box.lo;
+    const SampleBox part = common(made.box, lo, brick);
+    const bool active = samples_.brick(at.x / brick, at.y / brick, at.z / brick);
+    // Beyond the band, where one sample tells on which side all are.
+    const float beyond = active ? 0 : std::copysign(band_, field_.value(frame_.position(lo)));
+    for (int k = 0; k < part.size().z; ++k)
+      for (int j = 0; j < part.size().y; ++j) {
+        float* row =
+            made.values.data() + (static_cast<std::ptrdiff_t>(to.z + k) * n.y + to.y + j) * n.x + to.x;
+        for (int i = 0; i < part.size().x; ++i) {
+          const float v = active ? samples_.at(at.x + i, at.y + j, at.z + k) : beyond;
+          row[i] = band_ > 0 ? std::clamp(v, -band_, band_) : v;
+        }
+      }
   }
 
   const field::CompiledField& field_;
   const GridFrame& frame_;
   float band_;
-  SampleBox box_;
-  Vec3i size_;
-  std::vector<Vec3d> points_;
-  std::vector<float> values_;
-  std::vector<std::uint32_t> places_;
-};
-
-SampleBox box_of_chunk(const ScalarGrid& grid, std::int64_t index) {
-  const Vec3i n = grid.chunks(), size = grid.frame().size;
-  const Vec3i lo{static_cast<int>(index % n.x) * side, static_cast<int>(index / n.x % n.y) * side,
-                 static_cast<int>(index / n.x / n.y) * side};
-  return {lo,
-          {std::min(lo.x + side, size.x) - 1, std::min(lo.y + side, size.y) - 1,
-           std::min(lo.z + side, size.z) - 1}};
-}
-
-struct Made {
-  SampleBox box;
-  std::optional<float> same;
-  std::vector<float> values;
+  field::ChunkEvaluator evaluator_;
+  field::ChunkSamples samples_;
 };
 
 }  // namespace
@@ -134,28 +152,33 @@ ScalarGrid sample(const field::CompiledField& field, const GridFrame& frame, con
   float air = field.value(top);
   if (band > 0) air = std::clamp(air, -band, band);
   ScalarGrid grid(frame, air, settings.precision);
-  const Vec3i n = grid.chunks();
-  const std::int64_t total = std::int64_t{n.x} * n.y * n.z;
-  progress.begin("sampling", static_cast<std::uint64_t>(total), "chunks");
-  constexpr std::int64_t group = 256;
-  std::vector<Made> made(static_cast<std::size_t>(std::min(total, group)));
-  for (std::int64_t begin = 0; begin < total; begin += group) {
-    const std::int64_t count = std::min(group, total - begin);
+  const int columns_x = (frame.size.x + block_side - 1) / block_side,
+            columns_y = (frame.size.y + block_side - 1) / block_side;
+  const std::int64_t total = std::int64_t{columns_x} * columns_y;
+  progress.begin("sampling", static_cast<std::uint64_t>(total), "columns");
+  struct Column {
+    std::unique_ptr<ColumnSampler> sampler;
+    std::vector<Made> chunks;
+  };
+  std::vector<Column> group(static_cast<std::size_t>(std::min<std::int64_t>(total, columns_at_once)));
+  for (std::int64_t begin = 0; begin < total; begin += columns_at_once) {
+    const std::int64_t count = std::min<std::int64_t>(columns_at_once, total - begin);
     parallel_for(
         count,
         [&](std::int64_t i) {
-          Made& m = made[static_cast<std::size_t>(i)];
-          m.box = box_of_chunk(grid, begin + i);
-          m.same = ChunkSampler(field, frame, band).run(m.box, m.values);
+          Column& column = group[static_cast<std::size_t>(i)];
+          if (!column.sampler) column.sampler = std::make_unique<ColumnSampler>(field, frame, band);
+          column.sampler->run(static_cast<int>((begin + i) % columns_x),
+                              static_cast<int>((begin + i) / columns_x), column.chunks);
         },
         progress);
-    for (std::int64_t i = 0; i < count; ++i) {
-      const Made& m = made[static_cast<std::size_t>(i)];
-      if (m.same)
-        grid.fill(m.box, *m.same);
-      else
-        grid.write(m.box, m.values.data());
-    }
+    for (std::int64_t i = 0; i < count; ++i)
+      for (const Made& made : group[static_cast<std::size_t>(i)].chunks) {
+        if (made.same)
+          grid.fill(made.box, *made.same);
+        else
+          grid.write(made.box, made.values.data());
+      }
   }
   progress.end();
   return grid;

@@ -21,8 +21,8 @@ GridFrame frame_over(const Box3d& box, double spacing);
 
 /// Every sample is field.value() at its position, bit for bit, before limiting and rounding to half
 /// precision. Chunks over which the field's interval is one value are not evaluated and take no memory.
-/// Memory: the result's, 128 KB a chunk that holds two values (64 KB in half precision), and 128 KB for each
-/// of at most 256 chunks in the making. The same at any thread count.
+/// Memory: the result's, 128 KB a chunk that holds two values (64 KB in half precision), and what 16 columns
+/// of 64 x 64 samples hold, in the making. The same at any thread count.
 ScalarGrid sample(const field::CompiledField& field, const GridFrame& frame,
                   const SampleSettings& settings = {}, Progress& progress = silent());
 

@@ -240,8 +240,8 @@ Interval ChunkWork::bare_range(double lo, double hi) {
 }
 
 bool ChunkWork::may_hold_surface(int bx, int by, int bz) {
-  if (!nested_.empty() && excludes_zero(brick_range(bx, by, bz, true))) return false;
-  return !excludes_zero(brick_range(bx, by, bz, false));
+  if (!nested_.empty() && frame_.beyond(brick_range(bx, by, bz, true))) return false;
+  return !frame_.beyond(brick_range(bx, by, bz, false));
 }
 
 void ChunkWork::nested_block(std::size_t index, int bx, int by, int bz, int nx, const Block& block) {

@@ -17,16 +17,16 @@ inline constexpr int sides = chunk_bricks + 1;  ///< sample bricks a side: the l
 inline int brick_index(int bx, int by, int bz) {
   return (bz * sides + by) * sides + bx;
 }
-inline bool excludes_zero(Interval r) {
-  return r.lo > 0 || r.hi < 0;
-}
 
 /// Where a chunk's samples lie.
 struct ChunkFrame {
   double voxel;
+  Vec3d origin;  ///< of sample (0, 0, 0) of chunk (0, 0, 0)
+  float band;    ///< values beyond +-band need not be told from one another
   Vec3i chunk;
   Axis x, y, z;
 
+  bool beyond(Interval r) const { return r.lo > band || r.hi < -band; }
   /// Sample i of an axis in float metres, rounded outward by what float can lose.
   static float low(const Axis& axis, int i) { return static_cast<float>(axis.metres[i]) - position_slack; }
   static float high(const Axis& axis, int i) { return static_cast<float>(axis.metres[i]) + position_slack; }

@@ -94,7 +94,7 @@ struct Axis {
   double metres[size];
   alignas(32) std::int32_t units[size];
   alignas(32) float rest[size];
-  void set(std::int64_t first, double voxel);
+  void set(std::int64_t first, double voxel, double origin);
 };
 
 /// Per column of a chunk: [65][72]. For a heightfield the height and 1 / sqrt(1 + |grad h|^2) (1 where the

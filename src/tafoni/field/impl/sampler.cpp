@@ -106,9 +106,9 @@ Sampler::Range Sampler::range(double x0, double y0, double x1, double y1) const 
   return r;
 }
 
-void Axis::set(std::int64_t first, double voxel) {
+void Axis::set(std::int64_t first, double voxel, double origin) {
   for (int i = 0; i < size; ++i) {
-    metres[i] = static_cast<double>(first + i) * voxel;
+    metres[i] = origin + static_cast<double>(first + i) * voxel;
     const Fixed f = to_fixed(metres[i]);
     units[i] = f.units;
     rest[i] = f.rest;

@@ -49,7 +49,10 @@ struct Torus final : Shape {
 };
 
 TEST(Sample, HoldsTheFieldsBits) {
-  const field::CompiledField field = field::compile(carved());
+  // With leaves of every kind: heights, domain, primitives, a function, a warp.
+  const field::NodePtr ball = field::function(std::make_shared<Sphere>());
+  const field::CompiledField field = field::compile(
+      field::combine("union", {field::warp(carved(), nullptr, {{1.5, 1.5, 1}, 15, 15, 2, 1}), ball}));
   for (const GridFrame& frame :
        {GridFrame{{-70, -66, -40}, 1, {97, 80, 70}}, GridFrame{{-20.13, 7.77, -31.9}, 0.37, {65, 33, 100}}}) {
     const ScalarGrid grid = sample(field, frame);
