@@ -114,12 +114,13 @@ std::vector<Vec3d> Routes::way(std::span<const std::uint32_t> path) const {
   return result;
 }
 
-std::size_t Routes::nearest(Vec3d feet) const {
+std::size_t Routes::nearest(Vec3d feet, std::span<const std::size_t> without) const {
   std::size_t best = places_.size();
-  double least = settings_.spacing;
+  double least = 1.5 * settings_.spacing;
   for (std::size_t p = 0; p < places_.size(); ++p) {
     const double d = level_distance(places_[p], feet);
-    if (d < least && std::abs(places_[p].z - feet.z) <= step_) least = d, best = p;
+    if (d >= least || std::abs(places_[p].z - feet.z) > 2 * step_) continue;
+    if (std::find(without.begin(), without.end(), p) == without.end()) least = d, best = p;
   }
   return best;
 }
@@ -177,6 +178,7 @@ Walked find_way(const Collider& ground, Walker& walker, const Routes& routes, st
                 std::size_t to, double seconds, const std::function<void(const Walker&)>& each, int tries) {
   Walked sum;
   std::vector<Routes::Stretch> closed;
+  std::vector<std::size_t> out_of_reach;  // places that it did not come to from where it is
   for (int t = 0; t < tries && !sum.arrived; ++t) {
     const std::vector<std::uint32_t> path = routes.path(from, to, closed);
     if (path.empty()) break;
@@ -185,8 +187,12 @@ Walked find_way(const Collider& ground, Walker& walker, const Routes& routes, st
     sum.moves += walked.moves;
     sum.metres += walked.metres;
     sum.seconds += walked.seconds;
+    if (walked.reached == 0 && level_distance(walker.feet(), routes.places()[from]) > close)
+      out_of_reach.push_back(from);
+    else
+      out_of_reach.clear();
     if (walked.reached + 1 < path.size()) closed.push_back({path[walked.reached], path[walked.reached + 1]});
-    from = routes.nearest(walker.feet());
+    from = routes.nearest(walker.feet(), out_of_reach);
   }
   return sum;
 }

@@ -38,9 +38,9 @@ class Routes {
                                   std::span<const Stretch> closed = {}) const;
   /// The feet there.
   std::vector<Vec3d> way(std::span<const std::uint32_t> path) const;
-  /// The place nearest to the feet that lies within a spacing of them along x and y and a step in height;
-  /// places().size() where there is none.
-  std::size_t nearest(Vec3d feet) const;
+  /// The place nearest to the feet of those within one and a half spacings of them along x and y and two
+  /// steps in height, `without` some; places().size() where there is none.
+  std::size_t nearest(Vec3d feet, std::span<const std::size_t> without = {}) const;
 
  private:
   RouteSettings settings_;
