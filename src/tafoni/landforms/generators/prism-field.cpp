@@ -1,5 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include <fmt/core.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
@@ -27,6 +30,8 @@ struct Params {
   std::int64_t count = 60;
   std::vector<double> radius = {0, 0};
   double step = 0;
+  double tunnel = 0;
+  double cover = 0;
   double bedding = 0;
   Rows tools;
 };
@@ -50,6 +55,10 @@ const ParamTable<Params>& table() {
                  "least and greatest of the spheres, 0 for 3 and 9 % of the shorter side")
         .real("step", &Params::step, "m", 0, 1e5,
               "most that a sphere lies from the one before; 0 for anywhere in the rock")
+        .real("tunnel", &Params::tunnel, "m", 0, 1000,
+              "radius of a level tunnel bored through the terrain's slimmest hill, 0 for none")
+        .real("cover", &Params::cover, "m", 0, 10000,
+              "how deep below the hill's top the tunnel runs, 0 for a quarter of the relief")
         .real("bedding", &Params::bedding, "m", 0, 100,
               "how far soft rock recedes from the surface; at most three quarters of the terrain's amplitude")
         .rows("tool", &Params::tools, impl::tool_columns(),
@@ -174,8 +183,75 @@ class Digging {
     progress_.end();
   }
 
+  /// The shortest level way through a hill that has so much rock over it, with open air before both mouths.
+  void find_tunnel() {
+    const Box3d& box = ground_.box();
+    const auto [low, high] =
+        std::minmax_element(site_.heights->values.values().begin(), site_.heights->values.values().end());
+    const double cover = p_.cover > 0 ? p_.cover : 0.25 * static_cast<double>(*high - *low);
+    const Vec3d extent = box.size();
+    const double stride = std::max(2 * spacing_, std::min(extent.x, extent.y) / 40);
+    const double longest = 0.6 * std::min(extent.x, extent.y), margin = 6 * spacing_;
+    double least = longest;
+    for (double y = box.lo.y + margin; y < box.hi.y - margin; y += stride)
+      for (double x = box.lo.x + margin; x < box.hi.x - margin; x += stride) {
+        const double z = ground_.height(x, y) - cover;
+        for (int turn = 0; turn < 12; ++turn) {
+          const double angle = turn * std::numbers::pi / 12;
+          const Vec3d along{std::cos(angle), std::sin(angle), 0};
+          const double ahead = way_out({x, y, z}, along, least);
+          const double back = way_out({x, y, z}, -along, least - ahead);
+          if (!(ahead + back < least) || ahead + back < 6 * p_.tunnel) continue;
+          // A mouth high in a cliff is no way in.
+          const double cost =
+              ahead + back +
+              4 * (drop(Vec3d{x, y, z} + along * ahead, along) + drop(Vec3d{x, y, z} - along * back, -along));
+          if (!(cost < least)) continue;
+          least = cost;
+          mouths_ = {Vec3d{x, y, z} + along * ahead, Vec3d{x, y, z} - along * back};
+        }
+      }
+    if (mouths_.empty()) {
+      progress_.warn(
+          fmt::format("prism-field bores no tunnel: no hill has {:.0f} m of cover over less than {:.0f} m; "
+                      "give a smaller cover",
+                      cover, longest));
+      return;
+    }
+    const Vec3d on = normalized(mouths_[0] - mouths_[1]) * (2 * p_.tunnel);
+    tools_.insert(tools_.begin(), {Tool::capsule(mouths_[0] + on, mouths_[1] - on, p_.tunnel), Edit::remove});
+  }
+
+  /// From the floor at a mouth down to the ground before it.
+  double drop(Vec3d mouth, Vec3d out) const {
+    const Vec3d p = mouth + out * (2 * p_.tunnel);
+    return std::max(0.0, mouth.z - p_.tunnel - ground_.height(p.x, p.y));
+  }
+
+  /// Metres to where the ground falls below the tunnel's floor; infinite if that is beyond `most`.
+  double way_out(Vec3d from, Vec3d along, double most) const {
+    const double step = std::max(spacing_, 0.25 * p_.tunnel);
+    for (double d = step; d < most; d += step) {
+      const Vec3d p = from + along * d;
+      if (!ground_.usable(p)) break;
+      if (ground_.height(p.x, p.y) >= from.z - 0.8 * p_.tunnel) continue;
+      if (ground_.usable(p, 4 * spacing_)) return d;
+      break;
+    }
+    return std::numeric_limits<double>::infinity();
+  }
+
   void apply(PrismFields& fields, const Tool& tool, Edit mode) {
     changed_ += !fields.apply(tool, mode).empty();
+  }
+
+  std::vector<double> world(const std::vector<Vec3d>& places) const {
+    std::vector<double> out;
+    for (Vec3d p : places) {
+      p += site_.origin;
+      out.insert(out.end(), {p.x, p.y, p.z});
+    }
+    return out;
   }
 
   Result report(const PrismFields& fields, double before) const {
@@ -184,6 +260,7 @@ class Digging {
                      {"columns", std::int64_t{fields.frame().nx} * fields.frame().ny},
                      {"layers", static_cast<std::int64_t>(fields.layers())},
                      {"volume_removed_m3", before - volume_of(fields)},
+                     {"mouths", world(mouths_)},
                      {"bytes", static_cast<std::int64_t>(fields.bytes())},
                      {"primitives", std::int64_t{0}}};
     return result;
@@ -229,6 +306,7 @@ class Digging {
   }
 
   Result dig_terrain() {
+    if (p_.tunnel > 0) find_tunnel();
     Box3d over = room_.grown(4 * spacing_);
     for (const ToolUse& use : tools_) {
       over.lo.z = std::min(over.lo.z, use.tool.bounds().lo.z);
@@ -273,6 +351,7 @@ class Digging {
   double spacing_ = 1;
   Box3d room_;
   std::vector<ToolUse> tools_;
+  std::vector<Vec3d> mouths_;  ///< of the tunnel, on its axis
   std::int64_t changed_ = 0;
 };
 
