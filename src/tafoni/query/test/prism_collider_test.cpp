@@ -1,7 +1,10 @@
 #include "tafoni/query/prism_collider.h"
 
+#include <cmath>
+
 #include "tafoni/query/mesh_collider.h"
 #include "tafoni/query/test/agreement.h"
+#include "tafoni/query/walker.h"
 #include "tafoni/volume/prism_convert.h"
 #include "tafoni/volume/tool.h"
 
@@ -59,6 +62,37 @@ TEST(PrismCollider, AnEditIsMetWhereItIs) {
   testing::expect_agreement(collider, MeshCollider(local_mesh(fields)), fields.bounds(), 800, 1e-12, 4);
   const auto hit = collider.ray({5, 5, 6}, {30, 25, 1}, 20);
   EXPECT_FALSE(hit);
+}
+
+// A tunnel through a hill, in at one mouth and out at the other and back, the terrain being a raster.
+TEST(PrismCollider, AWalkerPassesATunnel) {
+  raster::Raster hill;
+  hill.placement = {0, 60, 0.5, 0.5};
+  hill.values = raster::Grid<float>(160, 120);
+  for (int row = 0; row < 120; ++row)
+    for (int col = 0; col < 160; ++col) {
+      const Vec2d at = hill.placement.center(col, row);
+      hill.values.at(col, row) = static_cast<float>(15 * std::exp(-(at.x - 40) * (at.x - 40) / 120) +
+                                                    0.1 * std::sin(at.x) * std::cos(0.7 * at.y));
+    }
+  PrismFields fields = volume::prism_from(hill, -5);
+  fields.apply(volume::Tool::capsule({10, 28, 1.9}, {70, 33, 1.9}, 2), volume::Edit::remove);
+  EXPECT_EQ(fields.layers(), 2);
+  const PrismCollider ground(fields);
+  for (const double way : {1.0, -1.0}) {
+    Walker walker({}, {40 - 28 * way, 30.5 - 28 * way * 5 / 60, 1.5});
+    const Vec3d wish = normalized(Vec3d{60 * way, 5 * way, 0}) * 1.5;
+    double highest = -1e9;
+    for (int n = 0; n < 1500 && (walker.feet().x - 40) * way < 28; ++n) {
+      walker.move(ground, wish, 1.0 / 30);
+      ASSERT_FALSE(walker.stuck());
+      ASSERT_FALSE(
+          ground.overlaps(Capsule{walker.capsule().a, walker.capsule().b, walker.capsule().radius - 1e-5}));
+      highest = std::max(highest, walker.feet().z);
+    }
+    EXPECT_GT((walker.feet().x - 40) * way, 27.9) << walker.feet().x;
+    EXPECT_LT(highest, 2);  // through the hill, not over it
+  }
 }
 
 }  // namespace
