@@ -51,7 +51,7 @@ class PrismFaces {
   std::vector<Quad> here_, there_;
   std::vector<PrismFace> faces_;
   std::array<std::int32_t, 4> columns_{};  ///< of the cell at work
-  bool cut_0_to_2_ = true, own_ = true;
+  bool own_ = true;
 };
 
 }  // namespace tafoni::mesh::impl
