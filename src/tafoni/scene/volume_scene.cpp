@@ -61,7 +61,8 @@ Heights elevations(const field::CompiledField& field, const Box3d& box, double v
 
 io::Volume sample_scene(const BuiltScene& scene, const volume::SampleSettings& settings, Progress& progress) {
   const field::CompiledField field = scene.field_for(scene.boundary());
-  const double rim = 2 * scene.voxel;
+  // All of the band, so that a level set does not break off within it.
+  const double rim = settings.band + 2 * scene.voxel;
   Box3d box = scene.terrain.box;
   if (scene.boundary() == mesh::Boundary::solid) {
     box.lo -= Vec3d{rim, rim, 0};
