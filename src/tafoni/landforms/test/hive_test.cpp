@@ -49,7 +49,7 @@ void expect_passable(const field::CompiledField& field, const std::vector<Vec3d>
       for (double up : {0.7, 1.2, 1.9}) EXPECT_LT(field.value(p + Vec3d{0, 0, up}), 0) << i;
       // Ends may stand out of the hill.
       if (i > 1 && i + 4 < route.size()) {
-        EXPECT_GT(field.value(p - Vec3d{0, 0, 1.6}), 0) << i;
+        EXPECT_GT(field.value(p - Vec3d{0, 0, 1.2}), 0) << i;
       }
     }
 }
