@@ -70,7 +70,8 @@ class ScalarGrid {
   /// Gives every sample of the box, within the frame, the value. Chunks wholly in it then take no memory.
   void fill(const SampleBox& box, float value);
   /// `change(first, row)` may alter the values of a run of samples along x. A run never crosses a chunk;
-  /// chunks are visited in order and by one thread. Gives the box of the samples whose value changed.
+  /// chunks are visited in order and by one thread. Other threads may edit other chunks meanwhile. Gives the
+  /// box of the samples whose value changed.
   SampleBox edit(const SampleBox& box, const std::function<void(Vec3i first, std::span<float> row)>& change);
   /// Makes every chunk anew, on several threads: make(samples, out) gives the value that all of the chunk's
   /// `samples` have, or none after it wrote them, finite, to out[(z * 32 + y) * 32 + x], counted from

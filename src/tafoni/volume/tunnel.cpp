@@ -8,6 +8,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/volume/impl/chunk_editor.h"
 #include "tafoni/volume/impl/cones.h"
 
 namespace tafoni::volume {
@@ -42,25 +43,29 @@ class Carving {
     for (std::size_t i = 0; i < near_.size(); ++i)
       if (i == 0 || near_[i].key != near_[i - 1].key) starts_.push_back(i);
     starts_.push_back(near_.size());
-    SampleBox changed;
-    const std::size_t bricks = starts_.size() - 1;
-    std::vector<Made> made(std::min<std::size_t>(bricks, group));
-    for (std::size_t begin = 0; begin < bricks; begin += group) {
+    // Chunks at the same time, which edit() allows; the bricks of one lie together.
+    std::vector<std::size_t> chunks;
+    for (std::size_t i = 0; i + 1 < starts_.size(); ++i)
+      if (i == 0 || key_at(i) >> 6 != key_at(i - 1) >> 6) chunks.push_back(i);
+    chunks.push_back(starts_.size() - 1);
+    std::vector<SampleBox> lowered(chunks.size() - 1);
+    parallel_for(static_cast<std::int64_t>(lowered.size()), [&](std::int64_t i) {
       progress.check();
-      const auto count = static_cast<std::int64_t>(std::min<std::size_t>(group, bricks - begin));
-      parallel_blocks(count, 16, [&](std::int64_t from, std::int64_t to) {
-        for (std::int64_t i = from; i < to; ++i)
-          evaluate(begin + static_cast<std::size_t>(i), made[static_cast<std::size_t>(i)]);
-      });
-      for (std::int64_t i = 0; i < count; ++i) lower(made[static_cast<std::size_t>(i)], changed);
-    }
+      const auto c = static_cast<std::size_t>(i);
+      Made made;
+      for (std::size_t brick = chunks[c]; brick < chunks[c + 1]; ++brick) {
+        evaluate(brick, made);
+        lower(made, lowered[c]);
+      }
+    });
+    SampleBox changed;
+    for (const SampleBox& box : lowered) impl::expand(changed, box);
     return changed;
   }
 
  private:
   static constexpr int side = impl::brick_side;
-  static constexpr std::size_t group = 256;  ///< bricks in the making
-
+  static_assert(ScalarGrid::chunk_samples == 4 * side, "key_of() and run() take 64 bricks for a chunk");
   struct Near {
     std::uint64_t key;
     const Cone* cone;
@@ -72,6 +77,7 @@ class Carving {
     float values[side * side * side];
   };
 
+  std::uint64_t key_at(std::size_t brick) const { return near_[starts_[brick]].key; }
   /// Bricks of a chunk are neighbours.
   static std::uint64_t key_of(Vec3i b) {
     const auto part = [](int v, int bits) {
@@ -161,11 +167,7 @@ class Carving {
       for (std::size_t i = 0; i < row.size(); ++i)
         if (values[i] < reach && values[i] < row[i]) row[i] = values[i];
     });
-    if (by.empty()) return;
-    if (changed.empty()) changed = by;
-    changed = {
-        {std::min(changed.lo.x, by.lo.x), std::min(changed.lo.y, by.lo.y), std::min(changed.lo.z, by.lo.z)},
-        {std::max(changed.hi.x, by.hi.x), std::max(changed.hi.y, by.hi.y), std::max(changed.hi.z, by.hi.z)}};
+    impl::expand(changed, by);
   }
 
   ScalarGrid& grid_;

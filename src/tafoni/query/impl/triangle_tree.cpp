@@ -6,7 +6,6 @@
 namespace tafoni::query::impl {
 namespace {
 
-constexpr int width = TriangleTree::width;
 /// Where lanes that hold no triangle are: beyond any box, and finite.
 constexpr float nowhere = 1e30f;
 
