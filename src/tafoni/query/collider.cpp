@@ -59,6 +59,12 @@ double distance_to(const Box3d& box, Vec3d p) {
       Vec3d{off(box.lo.x, box.hi.x, p.x), off(box.lo.y, box.hi.y, p.y), off(box.lo.z, box.hi.z, p.z)});
 }
 
+/// What both hold; empty where that is nothing.
+Box3d common(const Box3d& a, const Box3d& b) {
+  return {{std::max(a.lo.x, b.lo.x), std::max(a.lo.y, b.lo.y), std::max(a.lo.z, b.lo.z)},
+          {std::min(a.hi.x, b.hi.x), std::min(a.hi.y, b.hi.y), std::min(a.hi.z, b.hi.z)}};
+}
+
 /// Cuts [begin, end] to the shares of the way at which a box of half sides `half` may touch `bounds`.
 bool clip(Vec3d from, Vec3d along, Vec3d half, const Box3d& bounds, double& begin, double& end) {
   const auto axis = [&](double p, double d, double h, double lo, double hi) {
@@ -101,7 +107,9 @@ void Collider::search_along(Vec3d from, Vec3d along, Vec3d half, double radius, 
   const auto search = [&](auto& self, double s, double t) -> void {
     if (s > tracker.limit) return;
     Box3d box = box_of(from + along * s, from + along * t);
-    box.lo -= sides, box.hi += sides;
+    // A shape may be larger than all ground.
+    box = common({box.lo - sides, box.hi + sides}, everything);
+    if (box.empty()) return;
     const double size = (t - s) * whole;
     if (size > worth_asking * piece && empty(box)) return;
     if (size > piece) {
@@ -158,11 +166,7 @@ void Collider::search_around(Vec3d p, double distance, Found found, void* contex
   };
   // Near first: most searches end there.
   for (double size = std::min(tracker.limit, piece / 4);; size = std::min(4 * size, tracker.limit)) {
-    Box3d box = Box3d{p, p}.grown(size);
-    box.lo = {std::max(box.lo.x, everything.lo.x), std::max(box.lo.y, everything.lo.y),
-              std::max(box.lo.z, everything.lo.z)};
-    box.hi = {std::min(box.hi.x, everything.hi.x), std::min(box.hi.y, everything.hi.y),
-              std::min(box.hi.z, everything.hi.z)};
+    const Box3d box = common(Box3d{p, p}.grown(size), everything);
     if (!box.empty()) search(search, box);
     const bool all = box.lo == everything.lo && box.hi == everything.hi;
     if (all || size >= tracker.limit) return;

@@ -195,5 +195,23 @@ TEST(FieldCollider, BadVoxelsAreErrors) {
   EXPECT_THROW(FieldCollider(field, {.voxel = 1e-9}), Error);
 }
 
+TEST(FieldCollider, ShapesFarLargerThanTheGroundAskOnlyTheGround) {
+  const field::CompiledField field = field::compile(hill(1));
+  const FieldCollider collider(field, {.voxel = 1});
+  mesh::PolygonizeSettings settings;
+  settings.voxel = 1;
+  const MeshCollider peer(mesh::polygonize(field, settings));
+  for (const double radius : {1e3, 1e12}) {
+    const Sphere sphere{{30, 30, radius + 2}, radius};
+    EXPECT_EQ(collider.overlaps(sphere), peer.overlaps(sphere));
+    const auto contact = collider.contact(sphere), peer_contact = peer.contact(sphere);
+    ASSERT_EQ(contact.has_value(), peer_contact.has_value());
+    if (contact) {
+      EXPECT_EQ(contact->depth, peer_contact->depth);
+    }
+  }
+  EXPECT_LT(collider.cache().made, 1000u);
+}
+
 }  // namespace
 }  // namespace tafoni::query
