@@ -291,7 +291,7 @@ class Reader {
     };
     out.name = text("name");
     out.crs = text("crs");
-    if (json.contains("generator")) out.generator = impl::generator_values(json["generator"].dump());
+    if (json.contains("generator")) out.generator = impl::generator_values_of(json["generator"]);
     return out;
   }
 

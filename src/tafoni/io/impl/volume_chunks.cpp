@@ -85,7 +85,10 @@ std::string generator_json(const Values& values) {
 }
 
 Values generator_values(std::string_view text) {
-  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
+  return generator_values_of(nlohmann::json::parse(text, nullptr, false));
+}
+
+Values generator_values_of(const nlohmann::json& json) {
   Values values;
   if (!json.is_object()) return values;
   for (const auto& [name, value] : json.items()) {

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "tafoni/core/progress.h"
 #include "tafoni/io/format.h"
 
@@ -32,5 +34,6 @@ void fill_chunks(volume::ScalarGrid& grid, std::string_view file,
 /// The generator's values as JSON, and back; what cannot be read is left out.
 std::string generator_json(const Values& values);
 Values generator_values(std::string_view json);
+Values generator_values_of(const nlohmann::json& json);
 
 }  // namespace tafoni::io::impl

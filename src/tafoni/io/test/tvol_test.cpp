@@ -97,6 +97,33 @@ TEST_F(Tvol, TruncationIsNoticed) {
   EXPECT_NE(sentence(good + "x"), "");
 }
 
+/// A file with another text, whose checksum is right.
+std::string with_text(const std::string& file, const std::string& text) {
+  const auto number = [&](std::size_t at) {
+    std::uint64_t v = 0;
+    std::memcpy(&v, file.data() + at, 8);
+    return static_cast<std::size_t>(v);
+  };
+  std::string out = file.substr(0, 104);
+  const std::uint64_t size = text.size();
+  std::memcpy(out.data() + 88, &size, 8);
+  const std::string rest = text + file.substr(112 + number(88));
+  std::uint64_t hash = 0xcbf29ce484222325ull;
+  for (const char c : out + rest.substr(0, text.size() + number(96)))
+    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
+  out.append(reinterpret_cast<const char*>(&hash), 8);
+  return out + rest;
+}
+
+TEST_F(Tvol, TextNestedAsDeeplyAsAnyoneLikesIsRead) {
+  const Volume volume = hollow_ball(Precision::single, {40, 40, 40});
+  write_volume(path("a.tvol"), volume);
+  constexpr std::size_t depth = 1000000;
+  const std::string deep = std::string(depth, '[') + std::string(depth, ']');
+  const std::string bad = with_text(bytes("a.tvol"), R"({"name": "a", "generator": )" + deep + "}");
+  EXPECT_TRUE(parse("tvol", bad).grid == volume.grid);
+}
+
 TEST_F(Tvol, RefusesOtherVersionsFormatsAndValues) {
   Volume volume = hollow_ball(Precision::single, {40, 40, 40});
   write_volume(path("a.tvol"), volume);
