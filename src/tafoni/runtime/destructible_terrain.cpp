@@ -82,6 +82,8 @@ struct DestructibleTerrain::Impl {
   using MeshChanges = std::vector<mesh::GridMesher::Change>;
   SnapshotPtr next(const MeshChanges& changes, std::size_t edits_made) const;
   void publish(SnapshotPtr now, const MeshChanges& changes);
+  /// After edits that were not made, the mesher follows the grid back.
+  void bring_in_step(Progress& progress);
   /// Makes the edits, one version each, and meshes once. For whoever holds edit_mutex.
   void apply(std::span<const Message> messages, Progress& progress);
   void replay(const JournalContents& contents, const std::filesystem::path& file, Progress& progress);
@@ -133,14 +135,19 @@ void DestructibleTerrain::Impl::publish(SnapshotPtr now, const MeshChanges& chan
   published.swap(now);  // what only the last one held is freed after the lock
 }
 
+void DestructibleTerrain::Impl::bring_in_step(Progress& progress) {
+  if (mesher_in_step) return;
+  const SampleBox everything = ground.grid.samples();
+  mesher.update(ground.grid, {&everything, 1}, progress);
+  mesher_in_step = true;
+}
+
 void DestructibleTerrain::Impl::apply(std::span<const Message> messages, Progress& progress) {
   // Through their messages, here as on every peer, so that all make the edits of the same numbers.
   std::vector<Operation> operations;
   for (const Message& message : messages) operations.push_back(decode(message));
   const SnapshotPtr last = snapshot();
-  const SampleBox everything = ground.grid.samples();
-  if (!mesher_in_step) mesher.update(ground.grid, {&everything, 1}, progress);
-  mesher_in_step = true;
+  bring_in_step(progress);
 
   std::vector<SampleBox> changed;
   try {
@@ -154,8 +161,7 @@ void DestructibleTerrain::Impl::apply(std::span<const Message> messages, Progres
     const MeshChanges changes =
         changed.empty() ? MeshChanges() : mesher.update(ground.grid, changed, progress);
     SnapshotPtr now = next(changes, messages.size());
-    if (journal)
-      for (const Message& message : messages) journal->append(message);
+    if (journal) journal->append(messages);
     publish(std::move(now), changes);
   } catch (...) {
     mesher_in_step = false;
@@ -219,6 +225,7 @@ DestructibleTerrain::Changes DestructibleTerrain::changes_since(std::uint64_t ve
 
 mesh::Mesh DestructibleTerrain::mesh() const {
   const std::lock_guard lock(impl_->edit_mutex);
+  impl_->bring_in_step(silent());
   mesh::Mesh mesh = impl_->mesher.assemble();
   mesh.origin = impl_->ground.origin;
   return mesh;

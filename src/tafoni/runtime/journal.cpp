@@ -151,12 +151,13 @@ JournalWriter::~JournalWriter() {
   if (fd_ >= 0) ::close(fd_);
 }
 
-void JournalWriter::append(const Message& message) {
-  ByteWriter record;
-  put_record(record, base_, count_ + 1, message);
+void JournalWriter::append(std::span<const Message> messages) {
+  ByteWriter records;
+  std::uint32_t number = count_;
+  for (const Message& message : messages) put_record(records, base_, ++number, message);
   std::size_t done = 0;
-  while (done < record.bytes.size()) {
-    const ssize_t n = ::write(fd_, record.bytes.data() + done, record.bytes.size() - done);
+  while (done < records.bytes.size()) {
+    const ssize_t n = ::write(fd_, records.bytes.data() + done, records.bytes.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n >= 0) {
       done += static_cast<std::size_t>(n);
@@ -167,8 +168,8 @@ void JournalWriter::append(const Message& message) {
     fail(ErrorKind::output, "cannot append to {}: {}; the edit was not made", file_.string(),
          std::strerror(error));
   }
-  bytes_ += record.bytes.size();
-  ++count_;
+  bytes_ += records.bytes.size();
+  count_ = number;
 }
 
 void JournalWriter::sync() {

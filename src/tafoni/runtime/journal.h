@@ -48,9 +48,9 @@ class JournalWriter {
   JournalWriter(JournalWriter&& other) noexcept;
   JournalWriter& operator=(JournalWriter&&) = delete;
 
-  /// One write to the file: an edit survives the end of the process, and of the machine once sync() was
-  /// called. Throws Error{output}; the file is then as before.
-  void append(const Message& message);
+  /// One write to the file: edits survive the end of the process, and of the machine once sync() was called.
+  /// Throws Error{output}; the file is then as before.
+  void append(std::span<const Message> messages);
   /// Returns when everything appended is on the disk. Throws Error{output}.
   void sync();
 

@@ -104,7 +104,8 @@ Editor::Boxes Editor::operator()(const Radial& r) const {
   const auto change = [&](double share) {
     const double at = share * last;
     const std::size_t i = std::min(static_cast<std::size_t>(at), r.change.size() - 2);
-    return r.change[i] + (r.change[i + 1] - r.change[i]) * (at - static_cast<double>(i));
+    const double t = at - static_cast<double>(i);  // the two apart, since their difference may be no number
+    return r.change[i] * (1 - t) + r.change[i + 1] * t;
   };
   return boxes(volume::add_radial(grid_, r.center - origin_, r.radius, change, band_));
 }

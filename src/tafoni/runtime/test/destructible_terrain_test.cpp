@@ -204,6 +204,23 @@ TEST(DestructibleTerrain, RefusedEditsChangeNothing) {
   EXPECT_THAT(differing(*terrain.snapshot(), *other.snapshot()), ElementsAre());
 }
 
+TEST(DestructibleTerrain, NoEditLeavesValuesThatAreNotNumbers) {
+  DestructibleTerrain terrain = hills({});
+  const double most = std::numeric_limits<double>::max();
+  terrain.apply(Radial{{0, 0, 0}, 3, {most, -most, most}});
+  terrain.explode({5, 0, 0}, 3, most);
+  terrain.explode({5, 0, 0}, 1e-200, -most);
+  terrain.apply(volume::Tool::sphere({most, 0, 0}, most), volume::Edit::remove);
+  terrain.apply(volume::Tool::capsule({-most, 0, 0}, {most, 0, 0}, 1), volume::Edit::add);
+  const SnapshotPtr now = terrain.snapshot();
+  const volume::SampleBox all = now->grid().samples();
+  const Vec3i n = all.size();
+  std::vector<float> values(static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) *
+                            static_cast<std::size_t>(n.z));
+  now->grid().read(all, values.data());
+  EXPECT_TRUE(std::all_of(values.begin(), values.end(), [](float v) { return std::abs(v) <= 2; }));
+}
+
 TEST(DestructibleTerrain, RewindsToAnyVersion) {
   TerrainSettings settings;
   settings.rewind = true;

@@ -52,7 +52,7 @@ TEST_F(EditJournal, GivesBackWhatWasAppended) {
   write_journal(file, base, first);
   {
     JournalWriter writer(file, read_journal(file));
-    for (std::size_t i = 10; i < all.size(); ++i) writer.append(all[i]);
+    for (std::size_t i = 10; i < all.size(); ++i) writer.append({&all[i], 1});
     writer.sync();
   }
   const JournalContents contents = read_journal(file);
@@ -72,7 +72,7 @@ TEST_F(EditJournal, IsCutAtTheLastWholeEdit) {
   {
     JournalWriter writer(file, read_journal(file));
     for (const Message& m : all) {
-      writer.append(m);
+      writer.append({&m, 1});
       ends.push_back(bytes().size());
     }
   }
@@ -91,7 +91,7 @@ TEST_F(EditJournal, IsCutAtTheLastWholeEdit) {
       set_bytes(torn);
       // Going on from there gives what never was torn.
       JournalWriter writer(file, read_journal(file));
-      for (std::size_t i = n; i < all.size(); ++i) writer.append(all[i]);
+      for (std::size_t i = n; i < all.size(); ++i) writer.append({&all[i], 1});
       ASSERT_EQ(bytes(), full);
     }
 }

@@ -155,6 +155,8 @@ TEST_F(TerrainJournal, AFullDiskRefusesTheEdit) {
   terrain.explode({0, 0, 0}, 3, 4);
   const auto state = terrain.state();
   const SnapshotPtr before = terrain.snapshot();
+  const mesh::Mesh mesh = terrain.mesh();
+  const std::vector<Message> two{encode(Explosion{{9, 9, 0}, 3, 4}), encode(Explosion{{-9, 9, 0}, 3, 4})};
 
   const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
   rlimit old_limit{};
@@ -163,12 +165,19 @@ TEST_F(TerrainJournal, AFullDiskRefusesTheEdit) {
   limit.rlim_cur = fs::file_size(file) + 20;
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
   const std::string error = failure([&] { terrain.explode({5, 5, 0}, 3, 4); });
+  const mesh::Mesh after = terrain.mesh();
+  // Room for the first of two that are made at once.
+  limit.rlim_cur = fs::file_size(file) + two[0].size() + 40;
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+  EXPECT_THAT(failure([&] { terrain.apply(two); }), HasSubstr("a.edits"));
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &old_limit), 0);
   std::signal(SIGXFSZ, old_handler);
 
   EXPECT_THAT(error, HasSubstr("a.edits"));
   EXPECT_EQ(terrain.state(), state);
   EXPECT_EQ(terrain.snapshot(), before);
+  EXPECT_TRUE(same_bytes(after.positions, mesh.positions));
+  EXPECT_TRUE(same_bytes(after.triangles, mesh.triangles));
   terrain.explode({-5, 5, 0}, 3, 4);
   DestructibleTerrain again = hills({});
   EXPECT_EQ(again.replay(file), 2u);
