@@ -155,6 +155,7 @@ void DestructibleTerrain::Impl::apply(std::span<const Message> messages, Progres
     for (std::size_t i = 0; i < messages.size(); ++i) {
       const std::vector<SampleBox> boxes = std::visit(editor, operations[i]);
       history.add(messages[i], boxes);
+      history.remember(ground.grid);
       changed.insert(changed.end(), boxes.begin(), boxes.end());
       progress.check();
     }
@@ -169,7 +170,6 @@ void DestructibleTerrain::Impl::apply(std::span<const Message> messages, Progres
     ground.grid = last->grid();
     throw;
   }
-  history.remember(ground.grid);
   for (const SampleBox& box : changed) hash.touch(box);
 }
 

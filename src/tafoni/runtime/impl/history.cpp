@@ -38,6 +38,7 @@ void History::add(const Message& message, const std::vector<SampleBox>& changed)
 void History::cut(std::size_t count) {
   edits_.resize(count);
   changed_.resize(count);
+  while (!kept_.empty() && kept_.back().first > version()) kept_.pop_back();
 }
 
 void History::remember(const ScalarGrid& grid) {

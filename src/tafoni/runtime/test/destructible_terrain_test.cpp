@@ -262,6 +262,30 @@ TEST(DestructibleTerrain, RewindsToAnyVersion) {
   EXPECT_EQ(forgetful.version(), 1u);
 }
 
+TEST(DestructibleTerrain, RewindsAfterEditsThatWereNotMade) {
+  TerrainSettings settings;
+  settings.rewind = true;
+  DestructibleTerrain terrain = hills(settings);
+  const Box3d box = world_box(terrain);
+  std::vector<Digest> hashes{0, terrain.state().hash};
+  const auto dig = [&](std::uint64_t first) {
+    for (std::uint64_t i = first; i < first + 80; ++i) {
+      terrain.apply(random_operation(i, box, 3));
+      hashes.push_back(terrain.state().hash);
+    }
+  };
+  dig(0);
+  std::vector<Message> refused;
+  for (std::uint64_t i = 500; i < 700; ++i) refused.push_back(encode(random_operation(i, box, 3)));
+  refused.push_back(encode(Rewind{5000}));
+  EXPECT_THROW(terrain.apply(refused), Error);
+  dig(1000);
+  for (const std::uint64_t to : {70u, 130u, 161u}) {
+    terrain.rewind(to);
+    EXPECT_EQ(terrain.state().hash, hashes[to]) << to;
+  }
+}
+
 TEST(DestructibleTerrain, OpensScenesAndVolumes) {
   const fs::path root = fs::path(testing::TempDir()) / ("tafoni_terrain_" + std::to_string(::getpid()));
   fs::create_directories(root);
