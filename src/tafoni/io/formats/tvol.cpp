@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <numeric>
 #include <string>
@@ -247,6 +248,7 @@ class Reader {
     frame.origin = impl::load<Vec3d>(bytes_, 40);
     frame.spacing = impl::load<double>(bytes_, 64);
     frame.size = impl::load<Vec3i>(bytes_, 72);
+    check_table(frame.size);
     Volume out{make_grid(frame, sample == 2 ? Precision::half : Precision::single),
                impl::load<Vec3d>(bytes_, 16), metadata()};
     const std::vector<TableEntry> table = read_table(impl::chunk_count(out.grid));
@@ -293,6 +295,14 @@ class Reader {
     out.crs = text("crs");
     if (json.contains("generator")) out.generator = impl::generator_values_of(json["generator"]);
     return out;
+  }
+
+  /// Before a frame of any size is given memory.
+  void check_table(Vec3i size) const {
+    const auto chunks = [](int n) { return std::ceil(n / double{ScalarGrid::chunk_samples}); };
+    const auto bytes = static_cast<double>(ZSTD_getFrameContentSize(table_.data(), table_.size()));
+    if (bytes != chunks(size.x) * chunks(size.y) * chunks(size.z) * sizeof(TableEntry))
+      damaged("its table of chunks is not that of its size");
   }
 
   std::vector<TableEntry> read_table(std::int64_t chunks) const {

@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include <gmock/gmock.h>
 
@@ -97,8 +98,8 @@ TEST_F(Tvol, TruncationIsNoticed) {
   EXPECT_NE(sentence(good + "x"), "");
 }
 
-/// A file with another text, whose checksum is right.
-std::string with_text(const std::string& file, const std::string& text) {
+/// A file with another text, and another size if one is given, whose checksum is right.
+std::string with_text(const std::string& file, const std::string& text, std::optional<Vec3i> frame = {}) {
   const auto number = [&](std::size_t at) {
     std::uint64_t v = 0;
     std::memcpy(&v, file.data() + at, 8);
@@ -107,6 +108,7 @@ std::string with_text(const std::string& file, const std::string& text) {
   std::string out = file.substr(0, 104);
   const std::uint64_t size = text.size();
   std::memcpy(out.data() + 88, &size, 8);
+  if (frame) std::memcpy(out.data() + 72, &*frame, sizeof *frame);
   const std::string rest = text + file.substr(112 + number(88));
   std::uint64_t hash = 0xcbf29ce484222325ull;
   for (const char c : out + rest.substr(0, text.size() + number(96)))
@@ -122,6 +124,13 @@ TEST_F(Tvol, TextNestedAsDeeplyAsAnyoneLikesIsRead) {
   const std::string deep = std::string(depth, '[') + std::string(depth, ']');
   const std::string bad = with_text(bytes("a.tvol"), R"({"name": "a", "generator": )" + deep + "}");
   EXPECT_TRUE(parse("tvol", bad).grid == volume.grid);
+}
+
+TEST_F(Tvol, SmallFilesTakeNoMemoryForHugeSizes) {
+  write_volume(path("a.tvol"), hollow_ball(Precision::single, {40, 40, 40}));
+  const std::string good = bytes("a.tvol");
+  for (const Vec3i size : {Vec3i{2, 700000, 700000}, {40, 40, 80}, {-40, -40, 40}})
+    EXPECT_THAT(sentence(with_text(good, "{}", size)), HasSubstr("is not that of its size"));
 }
 
 TEST_F(Tvol, RefusesOtherVersionsFormatsAndValues) {
