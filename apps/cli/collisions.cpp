@@ -144,7 +144,7 @@ std::string AnswerTable::text(bool json) const {
 }
 
 AnswerTable answer(const Question& question, const CollisionGround& ground,
-                   const std::vector<std::vector<double>>& rows) {
+                   const std::vector<std::vector<double>>& rows, Progress& progress) {
   AnswerTable table;
   table.columns.assign(question.columns.begin(), question.columns.end());
   table.columns.insert(table.columns.end(), question.answers.begin(), question.answers.end());
@@ -152,6 +152,7 @@ AnswerTable answer(const Question& question, const CollisionGround& ground,
   const double origin[] = {ground.origin.x, ground.origin.y, ground.origin.z};
   parallel_blocks(static_cast<std::int64_t>(rows.size()), 256, [&](std::int64_t begin, std::int64_t end) {
     for (auto r = static_cast<std::size_t>(begin); r < static_cast<std::size_t>(end); ++r) {
+      progress.check();
       std::vector<double> local = rows[r];
       for (std::size_t axis = 0; axis < 3; ++axis) local[axis] -= origin[axis];
       Answer found = question.ask(*ground.collider, local);

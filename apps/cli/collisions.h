@@ -44,7 +44,7 @@ struct Question {
 const std::vector<Question>& all_questions();
 
 AnswerTable answer(const Question& question, const CollisionGround& ground,
-                   const std::vector<std::vector<double>>& rows);
+                   const std::vector<std::vector<double>>& rows, Progress& progress);
 
 /// Walks and tells of it; the table has a row a route. Throws Error{invalid} once told where a route was not
 /// completed or the walker was in the rock by more than a tenth of a millimetre.

@@ -135,7 +135,7 @@ int run(const Query& q, Console& console) {
     const auto rows = scene::parse_numbers_csv(table.text, table.name, question.columns);
     const CollisionGround ground =
         mesh ? ground_of_mesh(q.scene_file) : ground_of_scene(scene::build(*document, console));
-    give(q, answer(question, ground, rows).text(console.json()), console);
+    give(q, answer(question, ground, rows, console).text(console.json()), console);
     return 0;
   }
   tell_walks(q, mesh ? ground_of_mesh(q.scene_file) : ground_of_scene(scene::build(*document, console)),
