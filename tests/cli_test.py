@@ -221,9 +221,13 @@ class Collisions(Case):
         self.fails(2, "no more than one", "query", "level.asc", "--walk", "5", "--points", "p.csv")
         self.fails(3, "expected the columns x,y,z,radius", "query", "level.asc", "--spheres", "-", stdin="")
         self.fails(3, "expected x,y,z,radius", "query", "level.asc", "--spheres", "-", stdin="1,2\n")
-        self.fails(2, "a radius of -1 m cannot collide", "query", "level.asc", "--spheres", "-", stdin="1,2,3,-1\n")
+        self.fails(3, "standard input:2: a radius of -1 m cannot collide", "query", "level.asc", "--spheres", "-",
+                   stdin="x,y,z,radius\n1,2,3,-1\n")
         self.fails(3, "less than two radii", "query", "level.asc", "--sweeps", "-", stdin="1,2,3,1,1,0,0,1\n")
-        self.fails(2, "no direction", "query", "level.asc", "--rays", "-", stdin="1,2,3,0,0,0,1\n")
+        self.fails(3, "standard input:1: the ray has no direction", "query", "level.asc", "--rays", "-",
+                   stdin="1,2,3,0,0,0,1\n")
+        self.fails(2, "go with --walk", "query", "level.asc", "--anywhere", "--rays", "-", stdin="1,2,3,0,0,1,1\n")
+        self.fails(2, "a walker of radius -0.3 m", "query", "level.asc", "--walk", "5", "--walker=-0.3,1.8,0.4,40")
         self.passes("build", "level.asc", "--voxel", "2", "-o", "level.glb")
         self.fails(2, "a mesh has no field", "query", "level.glb", "--points", "-", stdin="1,2,3\n")
 

@@ -6,6 +6,7 @@
 
 #include <fmt/ranges.h>
 
+#include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/io/format.h"
 #include "tafoni/query/field_collider.h"
@@ -60,7 +61,7 @@ Answer ask_closest(const query::Collider& ground, const std::vector<double>& row
 Answer ask_sweep(const query::Collider& ground, const std::vector<double>& row) {
   const Vec3d foot = vec(row, 0);
   if (!(row[4] >= 2 * row[3]))
-    fail(ErrorKind::input, "a height of {} m is less than two radii of {} m: a sphere's is just that", row[4],
+    fail(ErrorKind::usage, "a height of {} m is less than two radii of {} m: a sphere's is just that", row[4],
          row[3]);
   const query::Capsule shape(foot + Vec3d{0, 0, row[3]}, foot + Vec3d{0, 0, row[4] - row[3]}, row[3]);
   const auto hit = ground.sweep(shape, vec(row, 5));
@@ -143,8 +144,9 @@ std::string AnswerTable::text(bool json) const {
   return {out.data(), out.size()};
 }
 
-AnswerTable answer(const Question& question, const CollisionGround& ground,
-                   const std::vector<std::vector<double>>& rows, Progress& progress) {
+AnswerTable answer(const Question& question, const CollisionGround& ground, const QuestionTable& asked,
+                   Progress& progress) {
+  const auto& rows = asked.rows;
   AnswerTable table;
   table.columns.assign(question.columns.begin(), question.columns.end());
   table.columns.insert(table.columns.end(), question.answers.begin(), question.answers.end());
@@ -155,7 +157,13 @@ AnswerTable answer(const Question& question, const CollisionGround& ground,
       progress.check();
       std::vector<double> local = rows[r];
       for (std::size_t axis = 0; axis < 3; ++axis) local[axis] -= origin[axis];
-      Answer found = question.ask(*ground.collider, local);
+      Answer found;
+      try {
+        found = question.ask(*ground.collider, local);
+      } catch (const Error& error) {
+        if (error.kind() != ErrorKind::usage) throw;
+        fail(ErrorKind::input, "{}:{}: {}", asked.name, asked.lines[r], error.what());
+      }
       for (std::size_t axis = 0; axis < 3; ++axis)
         if (auto& value = found[question.answer_point + axis]) *value += origin[axis];
       table.rows[r].assign(rows[r].begin(), rows[r].end());

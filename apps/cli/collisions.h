@@ -43,8 +43,15 @@ struct Question {
 };
 const std::vector<Question>& all_questions();
 
-AnswerTable answer(const Question& question, const CollisionGround& ground,
-                   const std::vector<std::vector<double>>& rows, Progress& progress);
+/// Questions as they were written, and where; `name` and `lines` are for messages.
+struct QuestionTable {
+  std::string name;
+  std::vector<std::vector<double>> rows;
+  std::vector<std::uint32_t> lines;
+};
+/// Throws Error{input} "NAME:LINE: …" for a row that cannot be asked.
+AnswerTable answer(const Question& question, const CollisionGround& ground, const QuestionTable& asked,
+                   Progress& progress);
 
 /// Walks and tells of it; the table has a row a route. Throws Error{invalid} once told where a route was not
 /// completed or the walker was in the rock by more than a tenth of a millimetre.

@@ -132,10 +132,11 @@ int run(const Query& q, Console& console) {
     if (q.questions[i].empty()) continue;
     const Question& question = all_questions()[i];
     const Text table = read_table(q.questions[i]);
-    const auto rows = scene::parse_numbers_csv(table.text, table.name, question.columns);
+    QuestionTable asked{table.name, {}, {}};
+    asked.rows = scene::parse_numbers_csv(table.text, table.name, question.columns, &asked.lines);
     const CollisionGround ground =
         mesh ? ground_of_mesh(q.scene_file) : ground_of_scene(scene::build(*document, console));
-    give(q, answer(question, ground, rows, console).text(console.json()), console);
+    give(q, answer(question, ground, asked, console).text(console.json()), console);
     return 0;
   }
   tell_walks(q, mesh ? ground_of_mesh(q.scene_file) : ground_of_scene(scene::build(*document, console)),
@@ -167,6 +168,8 @@ std::function<int(Console&)> setup(Args& args) {
       fail(ErrorKind::usage, "query needs {} of {} with a CSV (or - for standard input), or --walk N",
            given == 0 ? "one" : "no more than one", flags);
     }
+    if (!q->walks && (!q->walker.empty() || q->anywhere))
+      fail(ErrorKind::usage, "--walker and --anywhere go with --walk N");
     return run(*q, console);
   };
 }

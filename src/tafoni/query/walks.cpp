@@ -33,11 +33,13 @@ double overlap_of(const Collider& ground, const Capsule& shape) {
 }
 
 /// Places from which many others can be reached.
-Routes find_start(const Collider& ground, const Box3d& box, const WalkSettings& settings, Random& random) {
+Routes find_start(const Collider& ground, const Box3d& box, const WalkSettings& settings, Random& random,
+                  Progress& progress) {
   constexpr int tries = 20000;
   const WalkerSettings planned = with_margins(settings.walker), walkers[] = {planned, settings.walker};
   const std::size_t enough = std::min<std::size_t>(60, settings.routes.places);
   for (int i = 0; i < tries; ++i) {
+    progress.check();
     const double x = random.uniform(box.lo.x, box.hi.x), y = random.uniform(box.lo.y, box.hi.y);
     const std::vector<Vec3d> places =
         standing_places(ground, planned, x, y, box.hi.z, box.lo.z, settings.roofed);
@@ -78,6 +80,7 @@ std::vector<Vec3d> surface_points(const Capsule& shape, double inset) {
 std::vector<Walk> random_walks(const Collider& ground, const Box3d& box, const WalkSettings& settings,
                                const std::function<double(const Capsule&)>& check, Progress& progress) {
   if (settings.count < 1 || settings.around < 1) fail(ErrorKind::usage, "give a number of routes above 0");
+  static_cast<void>(Walker(settings.walker, {}));  // says what is wrong with it before margins change it
   std::vector<Walk> walks(static_cast<std::size_t>(settings.count));
   const int groups = (settings.count + settings.around - 1) / settings.around;
   progress.begin("walks", static_cast<std::uint64_t>(groups), "starts");
@@ -87,7 +90,7 @@ std::vector<Walk> random_walks(const Collider& ground, const Box3d& box, const W
         Random random(settings.seed, static_cast<std::uint64_t>(group));
         const auto first = static_cast<std::size_t>(group) * static_cast<std::size_t>(settings.around);
         const std::size_t last = std::min(walks.size(), first + static_cast<std::size_t>(settings.around));
-        const Routes routes = find_start(ground, box, settings, random);
+        const Routes routes = find_start(ground, box, settings, random, progress);
         for (std::size_t w = first; w < last; ++w) {
           std::size_t from = 0, to = 0;
           for (int tries = 0; tries < 200 && length_of(routes.way(routes.path(from, to))) < settings.least;

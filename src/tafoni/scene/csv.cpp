@@ -242,7 +242,8 @@ std::vector<Primitive> parse_primitives_csv(std::string_view text, std::string_v
 }
 
 std::vector<std::vector<double>> parse_numbers_csv(std::string_view text, std::string_view name,
-                                                   std::span<const std::string_view> columns) {
+                                                   std::span<const std::string_view> columns,
+                                                   std::vector<std::uint32_t>* numbers) {
   Lines lines(text, name);
   const std::string wanted = fmt::format("{}", fmt::join(columns, ","));
   if (!lines.next()) fail(ErrorKind::input, "{}: is empty; expected the columns {}", name, wanted);
@@ -261,6 +262,7 @@ std::vector<std::vector<double>> parse_numbers_csv(std::string_view text, std::s
   for (bool more = headless || lines.next(); more; more = lines.next()) {
     if (lines.fields().size() != width)
       lines.bad("has {} fields where the first line has {}", lines.fields().size(), width);
+    if (numbers) numbers->push_back(lines.number());
     std::vector<double>& row = out.emplace_back();
     for (std::size_t c = 0; c < columns.size(); ++c) row.push_back(lines.number_at(places[c], columns[c]));
   }

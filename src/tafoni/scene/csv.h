@@ -30,9 +30,10 @@ struct Primitive {
 std::vector<Primitive> parse_primitives_csv(std::string_view text, std::string_view name);
 
 /// Columns named by a header, others ignored; or no header and the first columns. One row of numbers a line,
-/// in the order of `columns`.
+/// in the order of `columns`. `lines` gets the number of each row's line.
 std::vector<std::vector<double>> parse_numbers_csv(std::string_view text, std::string_view name,
-                                                   std::span<const std::string_view> columns);
+                                                   std::span<const std::string_view> columns,
+                                                   std::vector<std::uint32_t>* lines = nullptr);
 /// The same with the columns x, y, z.
 std::vector<Vec3d> parse_points_csv(std::string_view text, std::string_view name);
 

@@ -143,6 +143,11 @@ bool same_geology(const GeologySettings& a, const GeologySettings& b) {
 
 }  // namespace
 
+std::string place_of(const Document& document, const Layer& layer) {
+  if (document.file.empty() || layer.line <= 0) return {};
+  return fmt::format("{}:{}: ", document.file, layer.line);
+}
+
 bool same(const Document& a, const Document& b) {
   const auto same_layer = [](const Layer& p, const Layer& q) {
     return p.type == q.type && p.values == q.values &&

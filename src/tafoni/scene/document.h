@@ -91,6 +91,7 @@ std::string_view painted_mask(const Layer& layer);
 
 struct Document {
   std::filesystem::path directory;  ///< what relative paths are relative to
+  std::string file;                 ///< for messages; empty for a new one
   SceneSettings scene;
   TerrainSettings terrain;
   std::vector<GeologySettings> geology;
@@ -99,7 +100,9 @@ struct Document {
 
   std::filesystem::path resolved(const std::string& path) const;
 };
-/// Whether both build the same thing: every setting, but neither `text` nor lines.
+/// "FILE:LINE: " of a layer that was read from there; else empty.
+std::string place_of(const Document& document, const Layer& layer);
+/// Whether both build the same thing: every setting, but neither `file`, `text` nor lines.
 bool same(const Document& a, const Document& b);
 
 /// Reads a document. `file` is for messages and gives the directory; no file is opened. Throws Error{input}:

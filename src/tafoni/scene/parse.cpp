@@ -262,6 +262,7 @@ Document parse_scene(std::string_view text, const std::filesystem::path& file) {
 
   Document document;
   document.directory = file.parent_path();
+  document.file = file.string();
   document.text = text;
   Values no_values;
   if (const auto* table = reader.section(root, "scene"))

@@ -390,7 +390,9 @@ void Builder::run_layers(Stage& stage, Progress& progress) {
       stage.built.layers.push_back(run_layer(stage, i, progress));
     } catch (const Error& error) {
       if (error.kind() == ErrorKind::cancelled) throw;
-      fail(error.kind(), "layer {}: {}", shown_name(layer), error.what());
+      std::string_view what = error.what();
+      if (const std::string type = layer.type + ": "; what.starts_with(type)) what.remove_prefix(type.size());
+      fail(error.kind(), "{}layer {}: {}", place_of(stage.document, layer), shown_name(layer), what);
     }
     const BuiltLayer& made = stage.built.layers.back();
     stage.scene.open = landforms::applied(stage.scene.open, made.result.made);
