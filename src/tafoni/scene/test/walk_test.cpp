@@ -69,7 +69,7 @@ TEST_P(Walks, AreCompletedWithoutEnteringTheRock) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Walks,
-                         ::testing::Values(Expected{"karst", 340, false, 7.5},
+                         ::testing::Values(Expected{"karst", 340, true, 7.5},
                                            Expected{"hive", 330, true, 0.3},
                                            Expected{"grammar_cave", 330, true, 0.3}),
                          [](const auto& of) { return std::string(of.param.scene); });
