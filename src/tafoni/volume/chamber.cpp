@@ -52,6 +52,13 @@ FractalSettings settings_of(const ChamberLattice& lattice, const ChamberSettings
   // The last level is smooth.
   out.noise = decaying_noise(s.noise * s.cell, 0.5, out.levels, 1);
   out.seed = s.seed;
+  const Vec3i n = out.size();
+  constexpr double most = 0x1p28;
+  if (static_cast<double>(n.x) * n.y * n.z > most)
+    fail(ErrorKind::usage,
+         "a chamber of {} x {} x {} samples is more than 2^28; give a spacing above {:.3g} m, or smaller "
+         "cells",
+         n.x, n.y, n.z, out.spacing);
   return out;
 }
 

@@ -37,8 +37,8 @@ const ParamTable<Params>& table() {
     t.rows(
         "chamber", &Params::chamber,
         {column("at", "",
-                "x, y and z of the middle of its floor, world, metres; empty for under the middle of "
-                "the site, z of 'ground' for under the ground"),
+                "x, y and z of the middle of its floor, world, metres; empty for under the middle of the "
+                "site"),
          column("kind", "", "empty for the layer's"), column("turn", "0", "degrees, counter-clockwise"),
          column("cell", "", "metres; empty for the layer's"), column("noise", "", "empty for the layer's"),
          column(

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/raster/resample.h"
 
@@ -241,6 +242,12 @@ FractalGround fractal_ground(const Ground& ground, const FractalGroundSettings& 
     return out;
   }
   const Making making(ground, s);
+  const Vec3i wanted = making.settings().size();
+  constexpr double most = 0x1p32;
+  if (static_cast<double>(wanted.x) * wanted.y * wanted.z > most)
+    fail(ErrorKind::usage,
+         "a spacing of {:.3g} m makes {} x {} x {} samples, more than 2^32; give a greater one",
+         making.settings().spacing, wanted.x, wanted.y, wanted.z);
   ScalarGrid grid = making.grid(progress);
   const Vec3i n = grid.frame().size;
   out.result.report = {{"samples", std::int64_t{n.x} * n.y * n.z},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/volume/sample.h"
@@ -190,6 +191,25 @@ void Hollow::report_routes(Result& result) const {
   result.report.emplace_back("route_points", points);
 }
 
+void Hollow::check_size(double reach) const {
+  double volume = 0;
+  for (const volume::Tunnel& t : tunnels_) {
+    double widest = 0;
+    for (const volume::AxisPoint& a : t.axis) widest = std::max(widest, a.radius);
+    volume += (volume::length(t) + 2 * (widest + reach)) * 4 * (widest + reach) * (widest + reach);
+  }
+  for (const volume::Chamber& c : chambers_) {
+    const Vec3d size = c.bounds().size();
+    volume += size.x * size.y * size.z;
+  }
+  constexpr double most = 0x1p31;
+  if (volume > most * spacing_ * spacing_ * spacing_)
+    fail(ErrorKind::usage,
+         "{:.3g} m3 about what is dug, at a spacing of {:g} m, are more than 2^31 samples; give a spacing of "
+         "{:.2g} m or more",
+         volume, spacing_, 1.05 * std::cbrt(volume / most));
+}
+
 Result Hollow::finish(Progress& progress) const {
   Result result;
   const Site& site = ground_.site();
@@ -201,6 +221,7 @@ Result Hollow::finish(Progress& progress) const {
     result.report.emplace_back("volume_m3", 0.0);
     return result;
   }
+  check_size(reach);
   ScalarGrid grid(volume::frame_over(box, spacing_), static_cast<float>(reach));
   volume::carve(grid, tunnels_, reach, progress);
   for (const volume::Chamber& chamber : chambers_) {

@@ -43,6 +43,8 @@ class Hollow {
 
  private:
   Box3d bounds(double reach) const;
+  /// Throws Error{usage} where the spacing is too fine for what is dug; `reach`: metres of rock about it.
+  void check_size(double reach) const;
   void report_routes(Result& result) const;
 
   const Ground& ground_;

@@ -54,6 +54,12 @@ void expect_passable(const field::CompiledField& field, const std::vector<Vec3d>
     }
 }
 
+TEST(Hollows, TooFineASpacingIsRefusedBeforeItIsTried) {
+  const Coast coast = hill();
+  for (const char* name : {"chambers", "tunnels", "hive", "fractal-terrain"})
+    EXPECT_THROW(dug(name, coast.site, {{"spacing", 0.001}}), Error) << name;
+}
+
 TEST(Tunnels, GivenOnesRunBetweenTheirEnds) {
   const Coast coast = hill();
   const Rows rows = {{{"from", "499955, 4000000, 4"}, {"to", "500045, 4000003, 4"}, {"radius", "2"}}};
