@@ -28,10 +28,10 @@ struct Ball {
     const double y = start.y - center.y, z = start.z - center.z, left = radius * radius - y * y - z * z;
     if (!(left >= 0)) return {0, 0};
     const double half = std::sqrt(left) * per_metre, middle = (center.x - start.x) * per_metre;
-    const auto limited = [n](double v) {
-      return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(n)));
-    };
-    return {limited(middle - half - 1), limited(middle + half + 2)};
+    // Of sizes beyond numbers, the whole row.
+    const double first = middle - half - 1, last = middle + half + 2;
+    return {first > 0 ? static_cast<int>(std::min(first, static_cast<double>(n))) : 0,
+            last < n ? static_cast<int>(std::max(last, 0.0)) : n};
   }
 };
 constexpr Ball everywhere{{}, std::numeric_limits<double>::infinity()};

@@ -63,6 +63,7 @@ Mouth mouth_at(const Ground& ground, Vec2d at, const MouthSettings& settings) {
 
 std::optional<Mouth> find_mouth(const Ground& ground, const MouthSettings& settings, Progress& progress) {
   const Box3d& box = ground.box();
+  if (box.empty()) return {};
   constexpr int most_rows = 256;
   const double longest = std::max(box.size().x, box.size().y);
   const double step = std::max({ground.pixel(), longest / most_rows, 0.5});
