@@ -196,7 +196,7 @@ std::vector<Point> carve_room(const Chamber& room, const Ground& ground, Random 
             0.75 + 0.5 * static_cast<double>(fbm((p + ground.site().origin) * (1.2 / room.radius), 2, seed));
         if (std::hypot(x, y) > room.radius * shrunk * bulge) continue;
         if (k == 0 && random.uniform() < 0.35) continue;
-        points.push_back({p, reach, energy, p});
+        points.push_back({p, reach, energy, room.center});
       }
   }
   return points;
@@ -265,7 +265,7 @@ field::NodePtr carve_passages(const CaveSystem& caves, const Ground& ground,
                               const PassageSettings& settings) {
   const std::size_t passages = caves.passages.size(), rooms = caves.chambers.size();
   std::vector<std::vector<Point>> parts(passages + rooms + caves.swallets.size());
-  std::vector<std::vector<Point>> walls(passages);
+  std::vector<std::vector<Point>> walls(passages), halls(rooms);
   parallel_for(static_cast<std::int64_t>(parts.size()), [&](std::int64_t job) {
     const auto i = static_cast<std::size_t>(job);
     if (i < passages) {
@@ -274,19 +274,30 @@ field::NodePtr carve_passages(const CaveSystem& caves, const Ground& ground,
       parts[i] = std::move(carver.body_points);
       walls[i] = std::move(carver.wall_points);
     } else if (i < passages + rooms) {
-      parts[i] = carve_room(caves.chambers[i - passages], ground, Random(settings.seed, 0x40000000 + i),
-                            hash_combine(settings.seed, 14));
+      halls[i - passages] =
+          carve_room(caves.chambers[i - passages], ground, Random(settings.seed, 0x40000000 + i),
+                     hash_combine(settings.seed, 14));
     } else {
       parts[i] = carve_doline(caves.swallets[i - passages - rooms], settings.radius,
                               Random(settings.seed, 0x20000000 + i));
     }
   });
-  std::vector<Point> body = joined(parts), wall = joined(walls);
+  std::vector<Point> body = joined(parts), wall = joined(walls), hall = joined(halls);
   const auto with = [&](const field::NodePtr& node) {
     return field::compile(field::combine("blend", {ground.site().terrain, node}));
   };
-  field::NodePtr open = cloud_of(body, ground);
-  while (open && drop_pockets(with(open), settings.radius, false, body)) open = cloud_of(body, ground);
+  const auto opened = [&] {
+    std::vector<Point> all = body;
+    all.insert(all.end(), hall.begin(), hall.end());
+    return cloud_of(all, ground);
+  };
+  field::NodePtr open = opened();
+  for (bool any = true; open && any;) {
+    const field::CompiledField now = with(open);
+    any = drop_pockets(now, settings.radius, false, body);
+    any = drop_pockets(now, 0, false, hall) || any;
+    if (any) open = opened();
+  }
   if (!open) return nullptr;
   drop_pockets(with(open), settings.radius, true, wall);
   const field::NodePtr scooped = cloud_of(wall, ground);
