@@ -93,8 +93,12 @@ std::vector<Walk> random_walks(const Collider& ground, const Box3d& box, const W
         const Routes routes = find_start(ground, box, settings, random, progress);
         for (std::size_t w = first; w < last; ++w) {
           std::size_t from = 0, to = 0;
-          for (int tries = 0; tries < 200 && length_of(routes.way(routes.path(from, to))) < settings.least;
-               ++tries) {
+          // A way that comes back to where it began would be done before it is walked.
+          const auto wanting = [&] {
+            return length(routes.places()[to] - routes.places()[from]) < 2 * settings.walker.radius ||
+                   length_of(routes.way(routes.path(from, to))) < settings.least;
+          };
+          for (int tries = 0; tries < 200 && wanting(); ++tries) {
             from = random.below(routes.places().size());
             to = random.below(routes.places().size());
           }
