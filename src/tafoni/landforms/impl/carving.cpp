@@ -292,7 +292,9 @@ field::NodePtr carve_passages(const CaveSystem& caves, const Ground& ground,
     return cloud_of(all, ground);
   };
   field::NodePtr open = opened();
-  for (bool any = true; open && any;) {
+  // What a third look would still find is rare, and each costs as much as all the rest.
+  bool any = true;
+  for (int look = 0; look < 2 && open && any; ++look) {
     const field::CompiledField now = with(open);
     any = drop_pockets(now, settings.radius, false, body);
     any = drop_pockets(now, 0, false, hall) || any;
