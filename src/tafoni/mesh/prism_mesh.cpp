@@ -60,52 +60,81 @@ void mark_hidden(const std::vector<PrismFace>& faces, std::vector<std::array<std
   }
 }
 
-/// What meshing one chunk needs; one a thread.
+/// Four floats, so that a sum is one load, one addition and one store.
+struct alignas(16) Sum {
+  float v[4] = {};
+};
+
+/// What meshing some chunks needs; one a thread.
 struct Workspace {
   PrismFaces faces;
   std::vector<std::array<std::int32_t, 4>> walls;
   std::vector<bool> hidden;
-  std::vector<Vec3f> places, normals;
-  std::vector<std::int32_t> ids;
+  std::vector<Vec3f> places;
+  // A vertex is a level and a surface: key 3 level + surface.
+  std::vector<Sum> normals;
+  std::vector<std::int32_t> ids;  ///< by key, in the chunk at work; -1: none
+  std::vector<std::size_t> keys;  ///< by id
 };
 
-void mesh_chunk(const PrismFields& fields, const ColumnBox& cells, volume::DeadPoints dead, Workspace& work,
-                PrismChunk& out) {
-  out.positions.clear(), out.normals.clear(), out.surfaces.clear(), out.triangles.clear();
-  const std::vector<PrismFace>& faces = work.faces.run(fields, cells, true, dead);
-  if (faces.empty()) return;
-  place(fields.frame(), work.faces, work.places);
-  const std::size_t keys = 3 * work.faces.cells().levels().size();
-  work.normals.assign(keys, {});
-  work.ids.assign(keys, -1);
-  mark_hidden(faces, work.walls, work.hidden);
+std::size_t vertex_key(const PrismFace& f, std::size_t k) {
+  return 3 * static_cast<std::size_t>(f.level[k]) + static_cast<std::size_t>(f.surface);
+}
+
+/// Normals of all vertices, each summed in the order of the cells around it, whatever box they are in.
+void add_normals(Workspace& work, const std::vector<PrismFace>& faces) {
+  work.normals.assign(3 * work.places.size(), {});
   for (std::size_t at = 0; at < faces.size(); ++at) {
     if (work.hidden[at]) continue;
     const PrismFace& f = faces[at];
-    std::size_t level[3], key[3];
+    const auto corner = [&](std::size_t k) { return work.places[static_cast<std::size_t>(f.level[k])]; };
+    const Vec3f a = corner(0), n = cross(corner(1) - a, corner(2) - a);
+    const Sum area{{n.x, n.y, n.z, 0}};
     for (std::size_t k = 0; k < 3; ++k) {
-      level[k] = static_cast<std::size_t>(f.level[k]);
-      key[k] = 3 * level[k] + static_cast<std::size_t>(f.surface);
+      Sum& sum = work.normals[vertex_key(f, k)];
+      for (std::size_t c = 0; c < 4; ++c) sum.v[c] += area.v[c];
     }
-    const Vec3f a = work.places[level[0]];
-    const Vec3f area = cross(work.places[level[1]] - a, work.places[level[2]] - a);
-    for (std::size_t k : key) work.normals[k] += area;
-    if (!f.own) continue;
-    std::array<std::uint32_t, 3> triangle;
-    for (std::size_t k = 0; k < 3; ++k) {
-      std::int32_t& id = work.ids[key[k]];
-      if (id < 0) {
-        id = static_cast<std::int32_t>(out.positions.size());
-        out.positions.push_back(work.places[level[k]]);
-        out.surfaces.push_back(f.surface);
-      }
-      triangle[k] = static_cast<std::uint32_t>(id);
-    }
-    out.triangles.push_back(triangle);
   }
-  out.normals.resize(out.positions.size());
-  for (std::size_t k = 0; k < keys; ++k)
-    if (work.ids[k] >= 0) out.normals[static_cast<std::size_t>(work.ids[k])] = unit_or_up(work.normals[k]);
+}
+
+void emit_chunk(const ColumnBox& cells, const std::vector<PrismFace>& faces, Workspace& work,
+                PrismChunk& out) {
+  out.positions.clear(), out.normals.clear(), out.surfaces.clear(), out.triangles.clear();
+  work.keys.clear();
+  for (int j = cells.j0; j <= cells.j1; ++j) {
+    const auto [begin, end] = work.faces.in_row(cells.i0, cells.i1 + 1, j);
+    for (std::size_t at = begin; at < end; ++at) {
+      if (work.hidden[at]) continue;
+      const PrismFace& f = faces[at];
+      std::array<std::uint32_t, 3> triangle;
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::int32_t& id = work.ids[vertex_key(f, k)];
+        if (id < 0) {
+          id = static_cast<std::int32_t>(work.keys.size());
+          work.keys.push_back(vertex_key(f, k));
+        }
+        triangle[k] = static_cast<std::uint32_t>(id);
+      }
+      out.triangles.push_back(triangle);
+    }
+  }
+  const std::size_t n = work.keys.size();
+  out.positions.resize(n), out.normals.resize(n), out.surfaces.resize(n);
+  for (std::size_t v = 0; v < n; ++v) {
+    const std::size_t key = work.keys[v];
+    const Sum& sum = work.normals[key];
+    out.positions[v] = work.places[key / 3];
+    out.surfaces[v] = static_cast<PrismSurface>(key % 3);
+    out.normals[v] = unit_or_up({sum.v[0], sum.v[1], sum.v[2]});
+    work.ids[key] = -1;
+  }
+}
+
+/// The cells of the chunks from (a0, b0) to (a1, b1).
+ColumnBox cells_of(const ColumnFrame& frame, int a0, int b0, int a1, int b1) {
+  constexpr int side = PrismMesher::chunk_cells;
+  return {a0 * side, b0 * side, std::min((a1 + 1) * side, frame.nx - 1) - 1,
+          std::min((b1 + 1) * side, frame.ny - 1) - 1};
 }
 
 /// A vertex of the whole: its column and which of the column's levels.
@@ -260,19 +289,31 @@ std::vector<PrismMesher::ChunkIndex> PrismMesher::update(const PrismFields& fiel
   const int b0 = chunk_of(std::max(0, box.j0 - reach - 1), s.high), b1 = chunk_of(box.j1 + reach, s.high);
   for (int b = b0; b <= b1; ++b)
     for (int a = a0; a <= a1; ++a) touched.push_back({a, b});
-  const int parts = static_cast<int>(std::min<std::size_t>(touched.size(), 64));
-  if (static_cast<int>(s.work.size()) < parts) s.work.resize(static_cast<std::size_t>(parts));
+  // Chunks beside each other together, since what lies around them is looked at, too; as many groups as there
+  // is work for.
+  int side = 4;
+  const auto groups = [&](int from, int to) { return (to - from) / side + 1; };
+  while (side > 1 && groups(a0, a1) * groups(b0, b1) < thread_count()) side /= 2;
+  const std::int64_t wide = groups(a0, a1), count = wide * groups(b0, b1);
+  const std::int64_t parts = std::min<std::int64_t>(count, 2 * thread_count());
+  if (static_cast<std::int64_t>(s.work.size()) < parts) s.work.resize(static_cast<std::size_t>(parts));
   parallel_for(parts, [&](std::int64_t part) {
-    const std::size_t n = touched.size(), p = static_cast<std::size_t>(part);
-    const std::size_t end = n * (p + 1) / static_cast<std::size_t>(parts);
-    for (std::size_t k = n * p / static_cast<std::size_t>(parts); k < end; ++k) {
-      const int i = touched[k].a * chunk_cells, j = touched[k].b * chunk_cells;
-      const ColumnBox cells{i, j, std::min(i + chunk_cells, frame.nx - 1) - 1,
-                            std::min(j + chunk_cells, frame.ny - 1) - 1};
-      PrismChunk& chunk = s.chunks[static_cast<std::size_t>(touched[k].b) * static_cast<std::size_t>(s.wide) +
-                                   static_cast<std::size_t>(touched[k].a)];
-      mesh_chunk(fields, cells, s.settings.dead, s.work[p], chunk);
-      chunk.version = s.version;
+    Workspace& work = s.work[static_cast<std::size_t>(part)];
+    for (std::int64_t g = count * part / parts; g < count * (part + 1) / parts; ++g) {
+      const int a = a0 + static_cast<int>(g % wide) * side, b = b0 + static_cast<int>(g / wide) * side;
+      const int a_end = std::min(a + side - 1, a1), b_end = std::min(b + side - 1, b1);
+      const auto& faces = work.faces.run(fields, cells_of(frame, a, b, a_end, b_end), true, s.settings.dead);
+      place(frame, work.faces, work.places);
+      mark_hidden(faces, work.walls, work.hidden);
+      add_normals(work, faces);
+      work.ids.resize(std::max(work.ids.size(), work.normals.size()), -1);
+      for (int y = b; y <= b_end; ++y)
+        for (int x = a; x <= a_end; ++x) {
+          PrismChunk& chunk = s.chunks[static_cast<std::size_t>(y) * static_cast<std::size_t>(s.wide) +
+                                       static_cast<std::size_t>(x)];
+          emit_chunk(cells_of(frame, x, y, x, y), faces, work, chunk);
+          chunk.version = s.version;
+        }
     }
   });
   return touched;

@@ -28,18 +28,20 @@ const std::vector<PrismFace>& PrismFaces::run(const volume::PrismFields& fields,
       slabs_.insert(slabs_.end(), all.begin(), all.end());
     }
   starts_.push_back(static_cast<std::int32_t>(slabs_.size()));
-  faces_.clear();
-  for (int j = box.j0 - r; j <= box.j1 + r; ++j)
-    for (int i = box.i0 - r; i <= box.i1 + r; ++i) {
+  faces_.clear(), face_starts_.clear();
+  meshed_ = {box.i0 - r, box.j0 - r, box.i1 + r, box.j1 + r};
+  for (int j = meshed_.j0; j <= meshed_.j1; ++j)
+    for (int i = meshed_.i0; i <= meshed_.i1; ++i) {
+      face_starts_.push_back(faces_.size());
       const auto all = slabs(i, j);
       if (all.empty()) continue;
-      own_ = i >= box.i0 && i <= box.i1 && j >= box.j0 && j <= box.j1;
       for (std::size_t k = 0; k < 4; ++k)
         columns_[k] = static_cast<std::int32_t>(
             block_.column(i + volume::cell_corners[k][0], j + volume::cell_corners[k][1]));
       caps(i, j, all);
       for (int side = 0; side < 4; ++side) walls(i, j, side, all);
     }
+  face_starts_.push_back(faces_.size());
   return faces_;
 }
 
@@ -51,7 +53,7 @@ std::span<const PrismFaces::Slab> PrismFaces::slabs(int i, int j) const {
 
 void PrismFaces::face(std::int32_t ca, std::int32_t la, std::int32_t cb, std::int32_t lb, std::int32_t cc,
                       std::int32_t lc, PrismSurface surface) {
-  faces_.push_back({{ca, cb, cc}, {la, lb, lc}, surface, own_});
+  faces_.push_back({{ca, cb, cc}, {la, lb, lc}, surface});
 }
 
 void PrismFaces::caps(int i, int j, std::span<const Slab> all) {

@@ -1,6 +1,7 @@
 #pragma once
 // The triangles of a prism-field's surface over a box of cells.
 
+#include <utility>
 #include <vector>
 
 #include "tafoni/mesh/prism_mesh.h"
@@ -11,7 +12,6 @@ struct PrismFace {
   std::int32_t column[3];  ///< places in the block
   std::int32_t level[3];   ///< places in cells().levels()
   PrismSurface surface;
-  bool own;  ///< of a cell of the box, not of the ring around it
 };
 
 /// One a thread; reuses its memory.
@@ -21,6 +21,13 @@ class PrismFaces {
   /// by row. The faces of a cell do not depend on the box.
   const std::vector<PrismFace>& run(const volume::PrismFields& fields, const volume::ColumnBox& box,
                                     bool ring, volume::DeadPoints dead);
+  /// Of the last run: the faces of the cells from (i, j) to (i_end - 1, j).
+  std::pair<std::size_t, std::size_t> in_row(int i, int i_end, int j) const {
+    const std::size_t row =
+        static_cast<std::size_t>(j - meshed_.j0) * static_cast<std::size_t>(meshed_.width());
+    const auto at = [&](int n) { return face_starts_[row + static_cast<std::size_t>(n - meshed_.i0)]; };
+    return {at(i), at(i_end)};
+  }
 
   const volume::PrismCells& cells() const { return cells_; }
   const volume::ColumnBlock& block() const { return block_; }
@@ -44,14 +51,15 @@ class PrismFaces {
 
   volume::ColumnBlock block_;
   volume::PrismCells cells_;
-  volume::ColumnBox known_;  ///< cells whose slabs are known
+  volume::ColumnBox known_;   ///< cells whose slabs are known
+  volume::ColumnBox meshed_;  ///< cells whose faces are
   std::vector<Slab> slabs_;
   std::vector<std::int32_t> starts_;
   std::vector<bool> cuts_;
   std::vector<Quad> here_, there_;
   std::vector<PrismFace> faces_;
+  std::vector<std::size_t> face_starts_;   ///< by cell of meshed_
   std::array<std::int32_t, 4> columns_{};  ///< of the cell at work
-  bool own_ = true;
 };
 
 }  // namespace tafoni::mesh::impl
