@@ -36,43 +36,46 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 void least_of_cones(const NearCone* cones, std::size_t n, float spacing, float* out) {
-  const hn::CappedTag<float, brick_side> f;
+  constexpr int plane = brick_side * brick_side;
+  const hn::CappedTag<float, plane> f;
   using Vec = hn::Vec<decltype(f)>;
   const int lanes = static_cast<int>(hn::Lanes(f));
   const Vec zero = hn::Zero(f);
   const auto round = static_cast<float>(round_floor);
   const Vec ramp = hn::Set(f, static_cast<float>(floor_ramp));
-  std::fill_n(out, brick_side * brick_side * brick_side, std::numeric_limits<float>::max());
+  // A vector may hold more than a row.
+  HWY_ALIGN float across[plane], up[plane];
+  for (int i = 0; i < plane; ++i) {
+    across[i] = spacing * static_cast<float>(i % brick_side);
+    up[i] = spacing * static_cast<float>(i / brick_side);
+  }
+  std::fill_n(out, brick_side * plane, std::numeric_limits<float>::max());
   for (std::size_t i = 0; i < n; ++i) {
     const NearCone& c = cones[i];
     const Vec ux = hn::Set(f, c.ux), uy = hn::Set(f, c.uy), uz = hn::Set(f, c.uz), end = hn::Set(f, c.length);
     float* at = out;
     for (int z = 0; z < brick_side; ++z) {
-      const float wz = c.z + spacing * static_cast<float>(z);
+      const Vec wz = hn::Set(f, c.z + spacing * static_cast<float>(z));
       const Vec lowest = hn::Set(f, c.ground - spacing * static_cast<float>(z));
-      for (int y = 0; y < brick_side; ++y) {
-        const float wy = c.y + spacing * static_cast<float>(y);
-        const Vec flat = hn::Set(f, wy * c.uy + wz * c.uz);
-        for (int x = 0; x < brick_side; x += lanes, at += lanes) {
-          const Vec wx =
-              hn::Add(hn::Set(f, c.x), hn::Mul(hn::Set(f, spacing), hn::Iota(f, static_cast<float>(x))));
-          const Vec s0 = hn::Add(hn::Mul(wx, ux), flat);
-          const Vec qx = hn::Sub(wx, hn::Mul(s0, ux)), qy = hn::Sub(hn::Set(f, wy), hn::Mul(s0, uy)),
-                    qz = hn::Sub(hn::Set(f, wz), hn::Mul(s0, uz));
-          const Vec h2 = hn::Add(hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy)), hn::Mul(qz, qz));
-          const Vec lean = hn::Mul(hn::Sqrt(h2), hn::Set(f, c.lean));
-          const Vec s = hn::Min(hn::Max(hn::Add(s0, lean), zero), end);
-          const Vec off = hn::Sub(s, s0);
-          Vec value = hn::Sub(hn::Sqrt(hn::Add(h2, hn::Mul(off, off))),
-                              hn::Add(hn::Set(f, c.radius), hn::Mul(s, hn::Set(f, c.grow))));
-          if (c.floor < round) {
-            const Vec t = hn::Min(hn::Max(s0, zero), end);
-            value = hn::Max(value, hn::Sub(hn::Add(hn::Add(lowest, hn::Mul(t, uz)),
-                                                   hn::Mul(hn::Abs(hn::Sub(s0, t)), ramp)),
-                                           hn::Set(f, c.floor)));
-          }
-          hn::StoreU(hn::Min(value, hn::LoadU(f, at)), f, at);
+      for (int k = 0; k < plane; k += lanes, at += lanes) {
+        const Vec wx = hn::Add(hn::Set(f, c.x), hn::Load(f, across + k));
+        const Vec wy = hn::Add(hn::Set(f, c.y), hn::Load(f, up + k));
+        const Vec s0 = hn::Add(hn::Mul(wx, ux), hn::Add(hn::Mul(wy, uy), hn::Mul(wz, uz)));
+        const Vec qx = hn::Sub(wx, hn::Mul(s0, ux)), qy = hn::Sub(wy, hn::Mul(s0, uy)),
+                  qz = hn::Sub(wz, hn::Mul(s0, uz));
+        const Vec h2 = hn::Add(hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy)), hn::Mul(qz, qz));
+        const Vec lean = hn::Mul(hn::Sqrt(h2), hn::Set(f, c.lean));
+        const Vec s = hn::Min(hn::Max(hn::Add(s0, lean), zero), end);
+        const Vec off = hn::Sub(s, s0);
+        Vec value = hn::Sub(hn::Sqrt(hn::Add(h2, hn::Mul(off, off))),
+                            hn::Add(hn::Set(f, c.radius), hn::Mul(s, hn::Set(f, c.grow))));
+        if (c.floor < round) {
+          const Vec t = hn::Min(hn::Max(s0, zero), end);
+          value = hn::Max(
+              value, hn::Sub(hn::Add(hn::Add(lowest, hn::Mul(t, uz)), hn::Mul(hn::Abs(hn::Sub(s0, t)), ramp)),
+                             hn::Set(f, c.floor)));
         }
+        hn::StoreU(hn::Min(value, hn::LoadU(f, at)), f, at);
       }
     }
   }
