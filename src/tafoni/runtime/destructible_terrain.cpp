@@ -37,8 +37,8 @@ class ChangeLog {
   }
   std::vector<Vec3i> since(std::uint64_t version) const {
     std::vector<Vec3i> out;
-    constexpr std::int32_t least = std::numeric_limits<std::int32_t>::min();
-    for (auto i = by_version_.lower_bound({version + 1, {least, least, least}}); i != by_version_.end(); ++i)
+    constexpr std::int32_t most = std::numeric_limits<std::int32_t>::max();
+    for (auto i = by_version_.upper_bound({version, {most, most, most}}); i != by_version_.end(); ++i)
       out.push_back(i->second);
     std::sort(out.begin(), out.end(), ChunkOrder());
     return out;
@@ -84,6 +84,7 @@ struct DestructibleTerrain::Impl {
   void publish(SnapshotPtr now, const MeshChanges& changes);
   /// After edits that were not made, the mesher follows the grid back.
   void bring_in_step(Progress& progress);
+  void check_work(const Operation& operation) const;
   /// Makes the edits, one version each, and meshes once. For whoever holds edit_mutex.
   void apply(std::span<const Message> messages, Progress& progress);
   void replay(const JournalContents& contents, const std::filesystem::path& file, Progress& progress);
@@ -96,6 +97,7 @@ struct DestructibleTerrain::Impl {
   impl::StateHash hash;
   Digest base;
   impl::History history;
+  std::uint64_t edit_work;
   std::optional<JournalWriter> journal;
 
   /// Held for moments only; taken after edit_mutex where both are.
@@ -109,7 +111,8 @@ DestructibleTerrain::Impl::Impl(impl::Ground opened, const TerrainSettings& sett
       mesher({ground.boundary, settings.polygons}),
       hash(ground.grid),
       base(digest_of(ground, hash.of(ground.grid))),
-      history(settings.rewind) {
+      history(settings.rewind),
+      edit_work(settings.edit_work) {
   history.remember(ground.grid);
   const MeshChanges changes = mesher.update(ground.grid, {}, progress);
   publish(next(changes, 1), changes);
@@ -142,6 +145,15 @@ void DestructibleTerrain::Impl::bring_in_step(Progress& progress) {
   mesher_in_step = true;
 }
 
+void DestructibleTerrain::Impl::check_work(const Operation& operation) const {
+  const std::uint64_t work = impl::work_of(operation, ground.grid, ground.origin, ground.band);
+  if (work > edit_work)
+    fail(ErrorKind::usage,
+         "an edit would look at {} samples, more than the {} of TerrainSettings::edit_work: make it smaller, "
+         "give its hull fewer corners, or allow more",
+         work, edit_work);
+}
+
 void DestructibleTerrain::Impl::apply(std::span<const Message> messages, Progress& progress) {
   // Through their messages, here as on every peer, so that all make the edits of the same numbers.
   std::vector<Operation> operations;
@@ -153,6 +165,7 @@ void DestructibleTerrain::Impl::apply(std::span<const Message> messages, Progres
   try {
     const impl::Editor editor(ground.grid, ground.origin, ground.band, history);
     for (std::size_t i = 0; i < messages.size(); ++i) {
+      check_work(operations[i]);
       const std::vector<SampleBox> boxes = std::visit(editor, operations[i]);
       history.add(messages[i], boxes);
       history.remember(ground.grid);

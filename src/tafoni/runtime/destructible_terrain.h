@@ -29,10 +29,15 @@ struct TerrainSettings {
   /// None: the scene's own, and `solid` for a volume. An open terrain ends at its border without walls.
   std::optional<mesh::Boundary> boundary;
   bool polygons = true;  ///< convex polygons for collision by other engines
-  /// Allows Rewind. Keeps the ground as opened and at up to eight versions since, as far as they differ.
+  /// Allows Rewind. Keeps the ground as opened and at up to eight versions since, as far as they differ. To
+  /// go back further costs every edit up to there.
   bool rewind = false;
   /// Bytes that the terrain may take when opened; more is an error that says how much it would be.
   std::uint64_t memory = std::uint64_t{4} << 30;
+  /// Samples that one edit may look at: all in its box, and in that of a hull once for each of its sides. A
+  /// larger edit is refused, whoever sent it; so give the same to all peers. With the default, 200 samples
+  /// each way, the worst that can be sent takes some seconds.
+  std::uint64_t edit_work = std::uint64_t{1} << 23;
 };
 
 /// Immutable: who holds one may read it in any thread, whatever happens to the terrain.
@@ -93,6 +98,8 @@ class DestructibleTerrain {
  public:
   /// Opens a scene file, or a volume file that io::read_volume() knows. Throws Error as scene::build() does,
   /// and Error{usage} for what is too large.
+  /// Small floating pieces, which scene::mesh_scene() leaves out below `scene.min_fragment`, are in the
+  /// samples and so in the ground, as they are in what `tafoni build` writes as a volume.
   static DestructibleTerrain open(const std::filesystem::path& file, const TerrainSettings& settings = {},
                                   Progress& progress = silent());
   explicit DestructibleTerrain(const scene::BuiltScene& scene, const TerrainSettings& settings = {},
@@ -115,7 +122,7 @@ class DestructibleTerrain {
   /// To version() - 1 is to undo one edit; costs as many edits as lie between, or 64 and the meshing.
   std::uint64_t rewind(std::uint64_t version) { return apply(Rewind{version}); }
   /// What encode() gave, here or on another machine, one version each; meshed and seen all at once. Throws
-  /// Error{input} for anything else.
+  /// Error{input} for anything else, and Error{usage} for an edit that this terrain refuses.
   std::uint64_t apply(std::span<const Message> messages, Progress& progress = silent());
 
   std::uint64_t version() const;
@@ -125,7 +132,8 @@ class DestructibleTerrain {
     std::uint64_t version = 0;  ///< to ask for the next time
     std::vector<Vec3i> chunks;  ///< sorted by y, x, z; one that lost its last triangle is among them
   };
-  /// The chunks whose mesh changed after that version; every chunk with triangles after version 0.
+  /// The chunks whose mesh changed after that version; every chunk with triangles after version 0, none after
+  /// a version still to come.
   Changes changes_since(std::uint64_t version) const;
   /// All chunks as one mesh without repeated vertices.
   mesh::Mesh mesh() const;

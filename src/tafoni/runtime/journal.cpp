@@ -131,9 +131,7 @@ JournalWriter::JournalWriter(std::filesystem::path file, const JournalContents& 
       bytes_(contents.bytes),
       count_(static_cast<std::uint32_t>(contents.edits.size())) {
   fd_ = ::open(file_.c_str(), O_WRONLY | O_CLOEXEC);
-  const bool cut = fd_ >= 0 && ::ftruncate(fd_, static_cast<off_t>(bytes_)) == 0 &&
-                   ::lseek(fd_, 0, SEEK_END) == static_cast<off_t>(bytes_);
-  if (cut) return;
+  if (fd_ >= 0 && cut()) return;
   const int error = errno;
   if (fd_ >= 0) ::close(fd_);
   fail(ErrorKind::output, "cannot append to {}: {}; check the permissions of the file and its folder",
@@ -145,13 +143,24 @@ JournalWriter::JournalWriter(JournalWriter&& other) noexcept
       fd_(std::exchange(other.fd_, -1)),
       base_(other.base_),
       bytes_(other.bytes_),
-      count_(other.count_) {}
+      count_(other.count_),
+      torn_(other.torn_) {}
 
 JournalWriter::~JournalWriter() {
   if (fd_ >= 0) ::close(fd_);
 }
 
+bool JournalWriter::cut() {
+  const auto end = static_cast<off_t>(bytes_);
+  return ::ftruncate(fd_, end) == 0 && ::lseek(fd_, 0, SEEK_END) == end;
+}
+
 void JournalWriter::append(std::span<const Message> messages) {
+  if (torn_ && !cut())
+    fail(ErrorKind::output,
+         "cannot append to {}: an unfinished edit at its end cannot be cut off: {}; the edit was not made",
+         file_.string(), std::strerror(errno));
+  torn_ = false;
   ByteWriter records;
   std::uint32_t number = count_;
   for (const Message& message : messages) put_record(records, base_, ++number, message);
@@ -164,7 +173,7 @@ void JournalWriter::append(std::span<const Message> messages) {
       continue;
     }
     const int error = errno;
-    if (::ftruncate(fd_, static_cast<off_t>(bytes_)) == 0) (void)::lseek(fd_, 0, SEEK_END);
+    torn_ = !cut();
     fail(ErrorKind::output, "cannot append to {}: {}; the edit was not made", file_.string(),
          std::strerror(error));
   }

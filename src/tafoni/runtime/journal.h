@@ -49,17 +49,21 @@ class JournalWriter {
   JournalWriter& operator=(JournalWriter&&) = delete;
 
   /// One write to the file: edits survive the end of the process, and of the machine once sync() was called.
-  /// Throws Error{output}; the file is then as before.
+  /// Throws Error{output}; the file is then as before, or, where not even that can be had, ends in a torn
+  /// edit, and nothing is appended until that can be cut off.
   void append(std::span<const Message> messages);
   /// Returns when everything appended is on the disk. Throws Error{output}.
   void sync();
 
  private:
+  bool cut();  ///< takes off what follows the whole edits
+
   std::filesystem::path file_;
   int fd_ = -1;
   Digest base_ = 0;
   std::uint64_t bytes_ = 0;
   std::uint32_t count_ = 0;
+  bool torn_ = false;  ///< bytes of an edit that was not made follow the whole ones
 };
 
 }  // namespace tafoni::runtime

@@ -1,5 +1,6 @@
 #include "tafoni/runtime/operation.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "tafoni/core/error.h"
@@ -14,6 +15,9 @@ using volume::ToolData;
 
 constexpr std::uint8_t message_version = 1;
 constexpr std::uint32_t most_numbers = 4096;
+/// A hull takes as many steps to make as the square of its corners, and its planes are asked sample by
+/// sample.
+constexpr std::uint32_t most_corners = 256;
 enum class Kind : std::uint8_t { tool, explosion, radial, rewind };
 
 bool finite(Vec3d p) {
@@ -38,6 +42,11 @@ void check(const Radial& r) {
     if (!std::isfinite(v)) fail(ErrorKind::usage, "a value of a radial edit is not finite");
 }
 
+void check_corners(std::size_t n) {
+  if (n > most_corners)
+    fail(ErrorKind::usage, "a hull of {} corners is too large for an edit: give at most {}", n, most_corners);
+}
+
 void put(ByteWriter& out, Vec3d p) {
   for (double v : {p.x, p.y, p.z}) out.put(v);
 }
@@ -47,15 +56,18 @@ Vec3d get_point(ByteReader& in) {
 }
 /// How many items of a size follow; 0 where they cannot.
 std::size_t get_count(ByteReader& in, std::size_t size) {
-  const auto n = in.get<std::uint32_t>();
-  return n <= most_numbers && n * size <= in.left() ? n : 0;
+  const std::size_t n = in.get<std::uint32_t>();
+  return n * size <= in.left() ? n : 0;
+}
+std::vector<double> get_numbers(ByteReader& in) {
+  std::vector<double> out(std::min<std::size_t>(get_count(in, sizeof(double)), most_numbers + 1));
+  for (double& v : out) v = in.get<double>();
+  return out;
 }
 
 void put(ByteWriter& out, const ToolUse& use) {
   const ToolData data = use.tool.data();
-  if (data.points.size() > most_numbers)
-    fail(ErrorKind::usage, "a hull of {} corners is too large for an edit: at most {}", data.points.size(),
-         most_numbers);
+  check_corners(data.points.size());
   out.put(Kind::tool);
   out.put(static_cast<std::uint8_t>(use.edit));
   out.put(data.kind);
@@ -93,8 +105,10 @@ ToolUse get_tool(ByteReader& in) {
   if (edit > 1) fail(ErrorKind::input, "it neither removes nor adds");
   ToolData data;
   data.kind = in.get<ToolData::Kind>();
-  for (std::size_t n = get_count(in, sizeof(Vec3d)); n > 0; --n) data.points.push_back(get_point(in));
-  for (std::size_t n = get_count(in, sizeof(double)); n > 0; --n) data.sizes.push_back(in.get<double>());
+  const std::size_t points = get_count(in, sizeof(Vec3d));
+  check_corners(points);
+  for (std::size_t i = 0; i < points; ++i) data.points.push_back(get_point(in));
+  data.sizes = get_numbers(in);
   return {volume::Tool::from(data), static_cast<volume::Edit>(edit)};
 }
 
@@ -115,7 +129,7 @@ Operation get(ByteReader& in) {
       Radial r;
       r.center = get_point(in);
       r.radius = in.get<double>();
-      for (std::size_t n = get_count(in, sizeof(double)); n > 0; --n) r.change.push_back(in.get<double>());
+      r.change = get_numbers(in);
       check(r);
       return r;
     }

@@ -14,7 +14,7 @@ namespace tafoni::runtime {
 
 /// All positions are world, metres.
 struct ToolUse {
-  volume::Tool tool;
+  volume::Tool tool;  ///< a hull of at most 256 corners
   volume::Edit edit = volume::Edit::remove;
 };
 /// Takes energy * (1 - (r / radius)^2)^3 off the values around the centre; a negative energy adds.

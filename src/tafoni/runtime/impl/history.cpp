@@ -117,4 +117,26 @@ Editor::Boxes Editor::operator()(const Rewind& rewind) const {
   return history_.changed_since(rewind.version);
 }
 
+std::uint64_t work_of(const Operation& operation, const ScalarGrid& grid, Vec3d origin, double band) {
+  Box3d box;
+  std::uint64_t each = 1;
+  if (const auto* use = std::get_if<ToolUse>(&operation)) {
+    box = use->tool.bounds().grown(band);
+    const volume::ToolData data = use->tool.data();
+    if (data.kind == volume::ToolData::Kind::hull) each = 2 * data.points.size() - 4;
+  } else if (const auto* e = std::get_if<Explosion>(&operation)) {
+    box = Box3d{e->center, e->center}.grown(e->radius);
+  } else if (const auto* r = std::get_if<Radial>(&operation)) {
+    box = Box3d{r->center, r->center}.grown(r->radius);
+  } else {
+    return 0;
+  }
+  const Vec3<std::uint64_t> n = [&] {
+    const Vec3i size = grid.samples_in({box.lo - origin, box.hi - origin}).size();
+    const auto count = [](int v) { return static_cast<std::uint64_t>(std::max(v, 0)); };
+    return Vec3<std::uint64_t>{count(size.x), count(size.y), count(size.z)};
+  }();
+  return n.x * n.y * n.z * each;
+}
+
 }  // namespace tafoni::runtime::impl

@@ -58,4 +58,7 @@ class Editor {
   const History& history_;
 };
 
+/// Samples that the edit looks at, one of a hull's sides at a time; 0 for a rewind.
+std::uint64_t work_of(const Operation& operation, const volume::ScalarGrid& grid, Vec3d origin, double band);
+
 }  // namespace tafoni::runtime::impl

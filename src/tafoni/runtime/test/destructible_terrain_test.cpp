@@ -47,6 +47,7 @@ TEST(DestructibleTerrain, ChangesAreTheChunksWhoseMeshDiffers) {
   EXPECT_EQ(terrain.version(), 1u);
   EXPECT_EQ(terrain.changes_since(0).chunks, terrain.snapshot()->chunks());
   EXPECT_THAT(terrain.changes_since(1).chunks, ElementsAre());
+  EXPECT_THAT(terrain.changes_since(std::numeric_limits<std::uint64_t>::max()).chunks, ElementsAre());
   const Box3d box = world_box(terrain);
   std::vector<SnapshotPtr> history{nullptr, terrain.snapshot()};
   std::size_t none = 0, some = 0;
@@ -202,6 +203,43 @@ TEST(DestructibleTerrain, RefusedEditsChangeNothing) {
   other.apply(messages);
   EXPECT_EQ(terrain.state(), other.state());
   EXPECT_THAT(differing(*terrain.snapshot(), *other.snapshot()), ElementsAre());
+}
+
+TEST(DestructibleTerrain, EditsOfMoreWorkThanAllowedAreRefused) {
+  // With the band of 2 m about it 28 x 28 x 18 m, so about 57 x 57 x 37 samples of 0.5 m.
+  const Vec3d half{12, 12, 7};
+  const volume::Tool box = volume::Tool::box({0, 0, -2}, half);
+  TerrainSettings settings;
+  settings.edit_work = 130000;
+  DestructibleTerrain terrain = hills(settings);
+  terrain.apply(box, Edit::remove);
+  const auto state = terrain.state();
+  const auto refused = [&](const Operation& operation) {
+    try {
+      const Message message = encode(operation);
+      terrain.apply({&message, 1});
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::usage);
+      EXPECT_THAT(error.what(), HasSubstr("edit_work"));
+      EXPECT_EQ(terrain.state(), state);
+      return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(refused(ToolUse{volume::Tool::box({0, 0, -2}, half * 1.1), Edit::remove}));
+  EXPECT_TRUE(refused(ToolUse{volume::Tool::sphere({0, 0, 0}, 1e9), Edit::remove}));
+  EXPECT_TRUE(refused(Explosion{{0, 0, 0}, 30, 1}));
+  EXPECT_TRUE(refused(Radial{{0, 0, 0}, 30, {1, 1}}));
+  // Each side of a hull is a plane that every sample is asked about.
+  std::vector<Vec3d> corners;
+  for (const double x : {-half.x, half.x})
+    for (const double y : {-half.y, half.y})
+      for (const double z : {-half.z - 2, half.z - 2}) corners.push_back({x, y, z});
+  EXPECT_TRUE(refused(ToolUse{volume::Tool::hull(corners), Edit::remove}));
+  for (Vec3d& c : corners) c = c * 0.25;
+  EXPECT_FALSE(refused(ToolUse{volume::Tool::hull(corners), Edit::remove}));
+  // What lies beyond the ground costs nothing, however large it is.
+  EXPECT_NO_THROW(terrain.apply(volume::Tool::sphere({2e9, 0, 0}, 1e9), Edit::remove));
 }
 
 TEST(DestructibleTerrain, NoEditLeavesValuesThatAreNotNumbers) {

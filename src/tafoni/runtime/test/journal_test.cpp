@@ -1,10 +1,14 @@
 #include "tafoni/runtime/journal.h"
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "tafoni/core/error.h"
@@ -111,6 +115,38 @@ TEST_F(EditJournal, EveryFlippedBitIsNoticed) {
       EXPECT_THAT(error.what(), testing::HasSubstr("a.edits"));
     }
   }
+}
+
+TEST_F(EditJournal, WhatCouldNotBeCutOffIsNeverAppendedTo) {
+  // A file that may not shrink, and no room: neither the write nor the cut after it is done.
+  const auto all = messages(3);
+  write_journal(file, base, {all[0]});
+  const std::string start = bytes();
+  const int fd = ::memfd_create("journal", MFD_ALLOW_SEALING);
+  ASSERT_GE(fd, 0);
+  ASSERT_EQ(::write(fd, start.data(), start.size()), static_cast<ssize_t>(start.size()));
+  ASSERT_EQ(::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK), 0);
+  file = "/proc/self/fd/" + std::to_string(fd);
+  {
+    JournalWriter writer(file, read_journal(file));
+    const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+    rlimit old_limit{};
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &old_limit), 0);
+    rlimit limit = old_limit;
+    limit.rlim_cur = start.size() + 20;
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+    EXPECT_THROW(writer.append({&all[1], 1}), Error);
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &old_limit), 0);
+    std::signal(SIGXFSZ, old_handler);
+    ASSERT_EQ(bytes().size(), start.size() + 20) << "the file was to keep a torn edit";
+    // There is room again, but behind a torn edit nothing would ever be read.
+    EXPECT_THROW(writer.append({&all[2], 1}), Error);
+    EXPECT_EQ(bytes().size(), start.size() + 20);
+  }
+  const JournalContents contents = read_journal(file);
+  EXPECT_EQ(contents.edits.size(), 1u);
+  EXPECT_EQ(contents.torn, 20u);
+  ::close(fd);
 }
 
 TEST_F(EditJournal, RecordsCannotBeMovedOrMixed) {

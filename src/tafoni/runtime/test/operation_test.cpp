@@ -1,5 +1,8 @@
 #include "tafoni/runtime/operation.h"
 
+#include <cmath>
+#include <cstring>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -53,6 +56,38 @@ TEST(Operation, BytesFromStrangersAreChecked) {
   Message long_one = encode(Explosion{{0, 0, 0}, 1, 1});
   long_one.push_back(std::byte{0});
   EXPECT_THROW(decode(long_one), Error);
+}
+
+/// Corners of a hull: points of a ball, all on the surface.
+std::vector<Vec3d> round_hull(std::size_t corners, double radius) {
+  std::vector<Vec3d> points;
+  for (std::size_t i = 0; i < corners; ++i) {
+    const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(corners);
+    const double turn = 2.399963229728653 * static_cast<double>(i), flat = std::sqrt(1 - z * z);
+    points.push_back(Vec3d{flat * std::cos(turn), flat * std::sin(turn), z} * radius);
+  }
+  return points;
+}
+
+TEST(Operation, HullsOfMoreCornersThanAMessageTakesAreRefusedBeforeTheyAreMade) {
+  const auto hull = [](std::size_t corners) {
+    return ToolUse{volume::Tool::hull(round_hull(corners, 5)), volume::Edit::remove};
+  };
+  const Message message = encode(hull(256));
+  EXPECT_EQ(encode(decode(message)), message);
+  EXPECT_THROW(encode(hull(257)), Error);
+
+  Message large = message;  // of one corner more than it may have
+  const std::uint32_t count = 257;
+  std::memcpy(large.data() + 4, &count, sizeof(count));
+  large.insert(large.end() - 4, sizeof(Vec3d), std::byte{0});
+  try {
+    (void)decode(large);
+    ADD_FAILURE() << "a hull of 257 corners was made";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::input);
+    EXPECT_THAT(error.what(), testing::HasSubstr("257 corners"));
+  }
 }
 
 TEST(Operation, WhatMakesNoEditIsRefused) {
