@@ -282,8 +282,10 @@ std::vector<PrismMesher::ChunkIndex> PrismMesher::update(const PrismFields& fiel
   ++s.version;
   std::vector<ChunkIndex> touched;
   if (box.empty()) return touched;
-  // A column moves the seams of those around it, and so the cells, walls and normals up to three cells away.
-  constexpr int reach = 3;
+  // A column's air moves the seams of those around it: the cells at these change, from two below it to one
+  // above, and normals a cell further. Walls beyond do not: seams only divide what lies between the same
+  // ends.
+  constexpr int reach = 2;
   const auto chunk_of = [](int cell, int count) { return std::clamp(cell / chunk_cells, 0, count - 1); };
   const int a0 = chunk_of(std::max(0, box.i0 - reach - 1), s.wide), a1 = chunk_of(box.i1 + reach, s.wide);
   const int b0 = chunk_of(std::max(0, box.j0 - reach - 1), s.high), b1 = chunk_of(box.j1 + reach, s.high);
