@@ -209,8 +209,9 @@ ScalarGrid::ScalarGrid(const GridFrame& frame, float value, Precision precision)
   if (!(frame.spacing > 0) || !std::isfinite(frame.spacing) || !frame.box().bounded())
     fail(ErrorKind::usage, "a grid's origin must be finite and its spacing ({}) above 0 and finite",
          frame.spacing);
-  if (static_cast<double>(n.x) * n.y * n.z > 0x1p40)
-    fail(ErrorKind::usage, "a grid of {} x {} x {} samples is too large: at most 2^40 in all", n.x, n.y, n.z);
+  if (static_cast<double>(n.x) * n.y * n.z > 0x1p40 || std::max({n.x, n.y, n.z}) > 1 << 30)
+    fail(ErrorKind::usage, "a grid of {} x {} x {} samples is too large: at most 2^40 in all, 2^30 a side",
+         n.x, n.y, n.z);
   const auto count = [](int samples) { return (samples - 1) / side + 1; };
   float row[1] = {value};
   round_row(precision, row);

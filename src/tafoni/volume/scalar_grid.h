@@ -45,7 +45,7 @@ class ScalarGrid {
   /// value where all are the same.
   static constexpr int chunk_samples = 32;
 
-  /// Throws Error{usage} for a frame without cells or of more than 2^40 samples.
+  /// Throws Error{usage} for a frame without cells, of more than 2^40 samples or of more than 2^30 a side.
   ScalarGrid(const GridFrame& frame, float value, Precision precision = Precision::single);
   ScalarGrid(const ScalarGrid&);
   ScalarGrid& operator=(const ScalarGrid&);

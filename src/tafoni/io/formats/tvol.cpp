@@ -6,10 +6,12 @@
 //  88  u64 bytes of the text, u64 bytes of the chunk table as stored
 // 104  u64 hash of all that stands before the chunks' data, without itself
 // 112  the text: JSON of name, crs and generator
-//      the table, compressed: for each chunk, x fastest, u32 bytes of its data (0: all samples alike), f32
-//      value the data of the chunks that are not alike, in the same order
+//      the table, compressed: for each chunk, x fastest, u32 bytes of its data, and u32 hash of them; where
+//      all samples are alike 0 and their f32 value
+//      the data of the chunks that are not alike, in the same order
 // A chunk's samples are taken as integers in the order of their values, differenced along x, y and z, split
-// into planes of bytes, and compressed by zstd, with its checksum.
+// into planes of bytes, and compressed by zstd. The hashes are FNV-1a, in which each byte's step is one to
+// one, so that one changed byte is always noticed.
 
 #include <algorithm>
 #include <array>
@@ -38,19 +40,23 @@ using volume::Precision;
 using volume::ScalarGrid;
 
 constexpr std::string_view magic = "TAFONVOL";
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 constexpr std::size_t hash_at = 104, header_bytes = 112;
 constexpr int level = 3;
 
 struct TableEntry {
   std::uint32_t bytes;
-  float value;
+  std::uint32_t what;  ///< the data's hash, or the value's bits
 };
 static_assert(sizeof(TableEntry) == 8);
 
-/// FNV-1a.
 std::uint64_t hash_of(std::span<const std::byte> bytes, std::uint64_t hash = 0xcbf29ce484222325ull) {
   for (const std::byte b : bytes) hash = (hash ^ std::to_integer<std::uint64_t>(b)) * 0x100000001b3ull;
+  return hash;
+}
+std::uint32_t short_hash_of(std::span<const std::byte> bytes) {
+  std::uint32_t hash = 0x811c9dc5u;
+  for (const std::byte b : bytes) hash = (hash ^ std::to_integer<std::uint32_t>(b)) * 0x01000193u;
   return hash;
 }
 
@@ -147,7 +153,6 @@ void decode(const std::vector<std::byte>& planes, Vec3i size, std::vector<float>
 std::string compressed(std::string_view raw) {
   ZSTD_CCtx* context = ZSTD_createCCtx();
   ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, level);
-  ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, 1);
   std::string out(ZSTD_compressBound(raw.size()), '\0');
   const std::size_t n = ZSTD_compress2(context, out.data(), out.size(), raw.data(), raw.size());
   ZSTD_freeCCtx(context);
@@ -201,11 +206,14 @@ void write(AtomicFile& out, const Volume& volume, Progress& progress) {
       total,
       [&](std::int64_t i) {
         TableEntry& entry = table[static_cast<std::size_t>(i)];
-        entry = {0, 0};
-        if (grid.uniform(impl::chunk_place(grid, i), &entry.value)) return;
+        float same = 0;
+        if (grid.uniform(impl::chunk_place(grid, i), &same)) {
+          entry = {0, std::bit_cast<std::uint32_t>(same)};
+          return;
+        }
         std::string& chunk = data[static_cast<std::size_t>(i)];
         chunk = encoded(grid, i);
-        entry.bytes = static_cast<std::uint32_t>(chunk.size());
+        entry = {static_cast<std::uint32_t>(chunk.size()), short_hash_of(bytes_of(chunk))};
       },
       progress);
   const std::string text = text_of(volume.metadata);
@@ -227,7 +235,10 @@ class Reader {
       fail(ErrorKind::input,
            "{}: does not begin as a volume of tafoni does; it is of another format or cut off.", file);
     if (const auto v = impl::load<std::uint32_t>(bytes, 8); v != version)
-      fail(ErrorKind::input, "{}: has version {} of the format, and this program reads {}; use a newer one.",
+      fail(ErrorKind::input,
+           "{}: has version {} of the format, and this program reads {}; write it again, or use the program "
+           "of "
+           "its version.",
            file, v, version);
     const auto text = impl::load<std::uint64_t>(bytes, 88), table = impl::load<std::uint64_t>(bytes, 96);
     const std::uint64_t left = bytes.size() - header_bytes;
@@ -249,8 +260,9 @@ class Reader {
     frame.spacing = impl::load<double>(bytes_, 64);
     frame.size = impl::load<Vec3i>(bytes_, 72);
     check_table(frame.size);
-    Volume out{make_grid(frame, sample == 2 ? Precision::half : Precision::single),
-               impl::load<Vec3d>(bytes_, 16), metadata()};
+    Volume out = impl::empty_volume(frame, 0, sample == 2 ? Precision::half : Precision::single,
+                                    impl::load<Vec3d>(bytes_, 16), file_);
+    out.metadata = metadata();
     const std::vector<TableEntry> table = read_table(impl::chunk_count(out.grid));
     std::vector<std::uint64_t> starts(table.size() + 1);
     for (std::size_t i = 0; i < table.size(); ++i) starts[i + 1] = starts[i] + table[i].bytes;
@@ -260,11 +272,13 @@ class Reader {
         out.grid, file_,
         [&](std::int64_t index, impl::ChunkValues& chunk) {
           const auto i = static_cast<std::size_t>(index);
-          if (table[i].bytes == 0)
-            chunk.same = table[i].value;
-          else
-            unpack(data_.subspan(starts[i], table[i].bytes), sample, impl::chunk_box(out.grid, index).size(),
-                   chunk.values);
+          if (table[i].bytes == 0) {
+            chunk.same = std::bit_cast<float>(table[i].what);
+            return;
+          }
+          const auto packed = data_.subspan(starts[i], table[i].bytes);
+          if (short_hash_of(packed) != table[i].what) damaged("a chunk does not match its checksum");
+          unpack(packed, sample, impl::chunk_box(out.grid, index).size(), chunk.values);
         },
         progress);
     progress.end();
@@ -274,14 +288,6 @@ class Reader {
  private:
   [[noreturn]] void damaged(std::string_view what) const {
     fail(ErrorKind::input, "{}: the file is damaged: {}; write it again.", file_, what);
-  }
-
-  ScalarGrid make_grid(const volume::GridFrame& frame, Precision precision) const {
-    try {
-      return ScalarGrid(frame, 0, precision);
-    } catch (const Error& error) {
-      fail(ErrorKind::input, "{}: {}", file_, error.what());
-    }
   }
 
   MeshMetadata metadata() const {

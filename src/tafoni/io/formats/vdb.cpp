@@ -10,7 +10,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <istream>
+#include <limits>
 #include <optional>
 #include <streambuf>
 #include <vector>
@@ -253,34 +255,72 @@ double spacing_of(const FloatGrid& grid, std::string_view file) {
   return spacing;
 }
 
+/// Samples by their indices in the file, ends included; wider than those, so that nothing overflows.
+struct Indices {
+  std::int64_t lo[3], hi[3];
+};
+
+/// The active voxels with a cell of what lies around, which closes the surface. Begins at a leaf, so that
+/// chunks and leaves stay in step.
+std::optional<Indices> active(const FloatGrid& grid) {
+  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
+  if (box.empty()) return std::nullopt;
+  Indices out;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.lo[axis] = (std::int64_t{box.min()[axis]} - 1) & ~std::int64_t{block - 1};
+    out.hi[axis] = std::int64_t{box.max()[axis]} + 1;
+  }
+  return out;
+}
+
+void take(Place& place, const Indices& samples, std::string_view file) {
+  constexpr std::int64_t least = std::numeric_limits<std::int32_t>::min(), most_side = 1 << 30;
+  constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
+  int size[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t lo = samples.lo[axis], hi = samples.hi[axis];
+    if (lo < least || hi > most || hi - lo >= most_side)
+      fail(ErrorKind::input,
+           "{}: its voxels lie at indices from {} to {}, further apart or out than can be read; move them "
+           "nearer to index 0 or resample the grid.",
+           file, lo, hi);
+    place.first[axis] = static_cast<std::int32_t>(lo);
+    size[axis] = static_cast<int>(hi - lo + 1);
+  }
+  place.frame.size = {size[0], size[1], size[2]};
+}
+
 Place place_of(const FloatGrid& grid, std::string_view file) {
   Place place;
-  place.frame.spacing = spacing_of(grid, file);
+  const double spacing = place.frame.spacing = spacing_of(grid, file);
+  const std::optional<Indices> voxels = active(grid);
   const auto size = grid.getMetadata<openvdb::Vec3IMetadata>(size_key);
   const auto origin = grid.getMetadata<openvdb::Vec3DMetadata>(origin_key);
   const auto local = grid.getMetadata<openvdb::Vec3DMetadata>(local_key);
   if (size && origin && local) {
-    place.frame.size = {size->value().x(), size->value().y(), size->value().z()};
-    place.frame.origin = vector(local->value());
+    // Another program may have moved the grid, or added to it beyond the frame.
+    Indices frame;
+    for (int axis = 0; axis < 3; ++axis) {
+      frame.lo[axis] = 0;
+      frame.hi[axis] = std::int64_t{size->value()[axis]} - 1;
+      if (!voxels || frame.hi[axis] < 1 ||
+          (voxels->lo[axis] + block >= 0 && voxels->hi[axis] - 1 <= frame.hi[axis]))
+        continue;
+      frame.lo[axis] = std::min(frame.lo[axis], voxels->lo[axis]);
+      frame.hi[axis] = std::max(frame.hi[axis], voxels->hi[axis]);
+    }
+    take(place, frame, file);
+    const Vec3d first{static_cast<double>(frame.lo[0]), static_cast<double>(frame.lo[1]),
+                      static_cast<double>(frame.lo[2])};
+    place.frame.origin = vector(local->value()) + spacing * first;
     place.origin = vector(origin->value());
-    // Another program may have moved the grid.
     const Vec3d at = vector(grid.indexToWorld(Coord(0, 0, 0)));
-    if (length(at - (place.origin + place.frame.origin)) > 1e-6 * place.frame.spacing)
-      place.origin = at - place.frame.origin;
+    if (length(at - (place.origin + vector(local->value()))) > 1e-6 * spacing)
+      place.origin = at - vector(local->value());
     return place;
   }
-  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
-  if (box.empty()) fail(ErrorKind::input, "{}: its grid has no active voxels, so it holds no surface.", file);
-  // A cell of what lies around closes the surface; beginning at a leaf keeps chunks and leaves in step.
-  const auto down = [](int v) { return (v - 1) & ~(block - 1); };
-  place.first = Coord(down(box.min().x()), down(box.min().y()), down(box.min().z()));
-  const Coord last = box.max().offsetBy(1);
-  const auto count = [&](int axis) { return static_cast<double>(last[axis]) - place.first[axis] + 1; };
-  if (count(0) * count(1) * count(2) > 0x1p40)
-    fail(ErrorKind::input, "{}: its active voxels span {} x {} x {}; at most 2^40 can be held.", file,
-         count(0), count(1), count(2));
-  place.frame.size = {last.x() - place.first.x() + 1, last.y() - place.first.y() + 1,
-                      last.z() - place.first.z() + 1};
+  if (!voxels) fail(ErrorKind::input, "{}: its grid has no active voxels, so it holds no surface.", file);
+  take(place, *voxels, file);
   place.origin = vector(grid.indexToWorld(place.first));
   return place;
 }
@@ -350,9 +390,10 @@ Volume read(std::span<const std::byte> bytes, std::string_view file, Progress& p
     const FloatGrid::Ptr grid = chosen(*stream.getGrids(), file);
     const Place place = place_of(*grid, file);
     const Convert convert = converter(*grid, place.frame.spacing);
-    Volume out{ScalarGrid(place.frame, convert(grid->background()),
-                          grid->saveFloatAsHalf() ? Precision::half : Precision::single),
-               place.origin, metadata_of(*stream.getMetadata())};
+    Volume out =
+        impl::empty_volume(place.frame, convert(grid->background()),
+                           grid->saveFloatAsHalf() ? Precision::half : Precision::single, place.origin, file);
+    out.metadata = metadata_of(*stream.getMetadata());
     progress.begin("reading " + std::string(file), static_cast<std::uint64_t>(impl::chunk_count(out.grid)),
                    "chunks");
     impl::fill_chunks(

@@ -42,6 +42,17 @@ SampleBox chunk_box(const ScalarGrid& grid, std::int64_t index) {
            std::min(lo.z + side, size.z) - 1}};
 }
 
+Volume empty_volume(const volume::GridFrame& frame, float value, volume::Precision precision, Vec3d origin,
+                    std::string_view file) {
+  if (!Box3d{origin, origin}.bounded())
+    fail(ErrorKind::input, "{}: the place of its volume is not finite; the file is damaged.", file);
+  try {
+    return {ScalarGrid(frame, value, precision), origin, {}};
+  } catch (const Error& error) {
+    fail(ErrorKind::input, "{}: {}", file, error.what());
+  }
+}
+
 void fill_chunks(ScalarGrid& grid, std::string_view file,
                  const std::function<void(std::int64_t index, ChunkValues& chunk)>& load,
                  Progress& progress) {

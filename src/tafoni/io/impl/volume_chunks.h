@@ -26,6 +26,11 @@ std::int64_t chunk_count(const volume::ScalarGrid& grid);
 Vec3i chunk_place(const volume::ScalarGrid& grid, std::int64_t index);
 volume::SampleBox chunk_box(const volume::ScalarGrid& grid, std::int64_t index);
 
+/// A volume of one value, before its samples are read. Throws Error{input} naming `file` for a frame that no
+/// grid has and a place that is not finite.
+Volume empty_volume(const volume::GridFrame& frame, float value, volume::Precision precision, Vec3d origin,
+                    std::string_view file);
+
 /// Fills the grid with what load(index, chunk) gives; load runs on many threads at once. Throws Error{input}
 /// naming `file` for a value that is not finite. One progress step a chunk.
 void fill_chunks(volume::ScalarGrid& grid, std::string_view file,

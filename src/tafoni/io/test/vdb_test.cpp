@@ -7,7 +7,9 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <memory>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <openvdb/io/Stream.h>
@@ -201,6 +203,83 @@ TEST_F(Vdb, RefusesWhatItCannotHold) {
   EXPECT_THAT(sentence(path("b.vdb")), HasSubstr("double"));
   save(path("c.vdb"), FloatGrid::create(1.0f));
   EXPECT_THAT(sentence(path("c.vdb")), HasSubstr("no active voxels"));
+}
+
+TEST_F(Vdb, RefusedFramesNameTheFile) {
+  openvdb::initialize();
+  const auto with = [&](openvdb::Vec3i size, openvdb::Vec3d origin, openvdb::Vec3d local) {
+    auto grid = FloatGrid::create(1.0f);
+    grid->tree().setValueOn(Coord(1, 1, 1), -1);
+    grid->insertMeta("tafoni_size", openvdb::Vec3IMetadata(size));
+    grid->insertMeta("tafoni_origin", openvdb::Vec3DMetadata(origin));
+    grid->insertMeta("tafoni_local", openvdb::Vec3DMetadata(local));
+    save(path("d.vdb"), grid);
+    return sentence(path("d.vdb"));
+  };
+  const openvdb::Vec3d zero(0, 0, 0);
+  EXPECT_EQ(with({9, 9, 9}, zero, zero), "");
+  constexpr int most = std::numeric_limits<int>::max();
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const openvdb::Vec3i& size :
+       {openvdb::Vec3i(1 << 20, 1 << 20, 2), {most, 16, 16}, {-most, 9, 9}, {most, most, most}})
+    EXPECT_THAT(with(size, zero, zero), HasSubstr("d.vdb: ")) << size;
+  EXPECT_THAT(with({9, 9, 9}, {0, nan, 0}, zero), HasSubstr("d.vdb: "));
+  EXPECT_THAT(with({9, 9, 9}, zero, {0, 0, nan}), HasSubstr("d.vdb: "));
+}
+
+TEST_F(Vdb, VoxelsAtTheEndsOfTheIndexSpaceAreRefused) {
+  openvdb::initialize();
+  constexpr int most = std::numeric_limits<int>::max(), least = std::numeric_limits<int>::min();
+  for (const auto& [lo, hi] : {std::pair{least, least + 3}, {most - 3, most}, {least, most}, {-5, 1 << 30}}) {
+    auto grid = FloatGrid::create(1.0f);
+    for (const int x : {lo, hi}) grid->tree().setValueOn(Coord(x, 0, 0), -1);
+    save(path("e.vdb"), grid);
+    EXPECT_THAT(sentence(path("e.vdb")), HasSubstr("indices")) << lo << " " << hi;
+  }
+  auto far = FloatGrid::create(1.0f);  // as far out as can be read
+  for (int i = 0; i < 3; ++i) far->tree().setValueOn(Coord(most - 8 + i, 0, least + 9 + i), -1);
+  save(path("f.vdb"), far);
+  EXPECT_EQ(sentence(path("f.vdb")), "");
+}
+
+TEST_F(Vdb, WhatOthersAddBeyondTheFrameIsRead) {
+  const Volume volume = hollow_ball(Precision::single, {40, 40, 40});
+  write_volume(path("a.vdb"), volume);
+  const auto changed = [&](const auto& change) {
+    openvdb::io::File file(path("a.vdb").string());
+    file.open();
+    const auto grid = openvdb::gridPtrCast<FloatGrid>(file.readGrid("surface"));
+    file.close();
+    change(*grid);
+    save(path("b.vdb"), grid);
+    return read_volume(path("b.vdb"));
+  };
+  const auto world = [](const Volume& v, Vec3i sample) { return v.origin + v.grid.frame().position(sample); };
+  // A voxel of rock on each side: every sample is where it was, the new ones too.
+  const Volume larger = changed([](FloatGrid& grid) {
+    grid.tree().setValueOn(Coord(-20, 5, 5), -2);
+    grid.tree().setValueOn(Coord(5, 5, 70), -2);
+  });
+  const volume::GridFrame& frame = larger.grid.frame();
+  const auto value = [&](Vec3i index) {
+    const Vec3d at = (world(volume, index) - larger.origin - frame.origin) * (1 / frame.spacing);
+    const Vec3i sample{static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y)),
+                       static_cast<int>(std::lround(at.z))};
+    EXPECT_NEAR(length(world(larger, sample) - world(volume, index)), 0, 1e-9);
+    EXPECT_TRUE(sample.x >= 0 && sample.y >= 0 && sample.z >= 0 && sample.x < frame.size.x &&
+                sample.y < frame.size.y && sample.z < frame.size.z);
+    return larger.grid.at(sample);
+  };
+  EXPECT_EQ(value({-20, 5, 5}), 2);
+  EXPECT_EQ(value({5, 5, 70}), 2);
+  EXPECT_EQ(value({-10, 5, 5}), -3);
+  for (int i = 0; i < 40; ++i) EXPECT_EQ(value({i, 20, 20}), volume.grid.at({i, 20, 20}));
+  // Of a part cut out the frame stays, with air where nothing is left.
+  const Volume part = changed([](FloatGrid& grid) { grid.clip(openvdb::CoordBBox(10, 0, 0, 25, 39, 39)); });
+  EXPECT_EQ(part.grid.frame(), volume.grid.frame());
+  EXPECT_EQ(part.origin, volume.origin);
+  for (int i = 0; i < 40; ++i)
+    EXPECT_EQ(part.grid.at({i, 20, 20}), i >= 10 && i <= 25 ? volume.grid.at({i, 20, 20}) : -3) << i;
 }
 
 TEST_F(Vdb, CutOffFilesGiveASentence) {

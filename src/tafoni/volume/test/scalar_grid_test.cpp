@@ -328,7 +328,7 @@ TEST(ScalarGrid, RefusesWrongFramesAndBoxes) {
   for (const GridFrame& wrong :
        {GridFrame{{}, 1, {1, 8, 8}}, GridFrame{{}, 0, {8, 8, 8}}, GridFrame{{}, -1, {8, 8, 8}},
         GridFrame{{}, NAN, {8, 8, 8}}, GridFrame{{}, 1, {1 << 20, 1 << 20, 2}},
-        GridFrame{{0, NAN, 0}, 1, {8, 8, 8}}})
+        GridFrame{{}, 1, {2, (1 << 30) + 1, 2}}, GridFrame{{0, NAN, 0}, 1, {8, 8, 8}}})
     EXPECT_THROW(ScalarGrid(wrong, 0), Error);
   ScalarGrid grid({{}, 1, {8, 8, 8}}, 0);
   const float values[2] = {1, 2};
