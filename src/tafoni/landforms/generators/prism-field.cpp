@@ -119,6 +119,7 @@ class Digging {
   Digging(const Ground& ground, const Params& p, Progress& progress)
       : ground_(ground), site_(ground.site()), p_(p), progress_(progress), random_(site_.seed, 0x9715) {
     spacing_ = p.spacing > 0 ? p.spacing : ground.pixel();
+    grain_ = std::max(spacing_, ground.pixel());
     tools_ = impl::tools_of(p.tools, site_.origin, "prism-field");
   }
 
@@ -190,18 +191,19 @@ class Digging {
         std::minmax_element(site_.heights->values.values().begin(), site_.heights->values.values().end());
     const double cover = p_.cover > 0 ? p_.cover : 0.25 * static_cast<double>(*high - *low);
     const Vec3d extent = box.size();
-    const double stride = std::max(2 * spacing_, std::min(extent.x, extent.y) / 40);
-    const double longest = 0.6 * std::min(extent.x, extent.y), margin = 6 * spacing_;
-    double least = longest;
+    const double stride = std::max(2 * grain_, std::min(extent.x, extent.y) / 40);
+    const double longest = 0.6 * std::min(extent.x, extent.y), margin = 6 * grain_;
+    double least = std::numeric_limits<double>::infinity();
     for (double y = box.lo.y + margin; y < box.hi.y - margin; y += stride)
       for (double x = box.lo.x + margin; x < box.hi.x - margin; x += stride) {
         const double z = ground_.height(x, y) - cover;
         for (int turn = 0; turn < 12; ++turn) {
           const double angle = turn * std::numbers::pi / 12;
           const Vec3d along{std::cos(angle), std::sin(angle), 0};
-          const double ahead = way_out({x, y, z}, along, least);
-          const double back = way_out({x, y, z}, -along, least - ahead);
-          if (!(ahead + back < least) || ahead + back < 6 * p_.tunnel) continue;
+          const double most = std::min(least, longest);
+          const double ahead = way_out({x, y, z}, along, most);
+          const double back = way_out({x, y, z}, -along, most - ahead);
+          if (!(ahead + back < most) || ahead + back < 6 * p_.tunnel) continue;
           // A mouth high in a cliff is no way in.
           const double cost =
               ahead + back +
@@ -230,12 +232,12 @@ class Digging {
 
   /// Metres to where the ground falls below the tunnel's floor; infinite if that is beyond `most`.
   double way_out(Vec3d from, Vec3d along, double most) const {
-    const double step = std::max(spacing_, 0.25 * p_.tunnel);
+    const double step = std::max(grain_, 0.25 * p_.tunnel);
     for (double d = step; d < most; d += step) {
       const Vec3d p = from + along * d;
       if (!ground_.usable(p)) break;
       if (ground_.height(p.x, p.y) >= from.z - 0.8 * p_.tunnel) continue;
-      if (ground_.usable(p, 4 * spacing_)) return d;
+      if (ground_.usable(p, 4 * grain_)) return d;
       break;
     }
     return std::numeric_limits<double>::infinity();
@@ -267,11 +269,12 @@ class Digging {
   }
 
   Result dig_box() {
-    // Columns on the lattice, one more than the box needs on each side: what the tools add may reach out.
+    // What the tools add may reach out. Columns stand between the planes of the scene's lattice, for most
+    // voxels: an upright face in a plane of samples would end in steps of whole voxels.
     Box3d over = room_;
     for (const ToolUse& use : tools_)
       if (use.mode == Edit::add) over.expand(use.tool.bounds());
-    const auto down = [&](double v) { return std::floor(v / spacing_) * spacing_; };
+    const auto down = [&](double v) { return (std::floor(v / spacing_ - 0.375) + 0.375) * spacing_; };
     const volume::ColumnFrame frame{
         {down(over.lo.x), down(over.lo.y), 0},
         spacing_,
@@ -349,6 +352,7 @@ class Digging {
   Progress& progress_;
   Random random_;
   double spacing_ = 1;
+  double grain_ = 1;  ///< of the search for a hill: finer columns must not move the tunnel
   Box3d room_;
   std::vector<ToolUse> tools_;
   std::vector<Vec3d> mouths_;  ///< of the tunnel, on its axis

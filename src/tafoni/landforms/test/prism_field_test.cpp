@@ -104,6 +104,36 @@ TEST(PrismField, TunnelLeadsThroughTheHill) {
   EXPECT_GT(covered, 100);
 }
 
+// Columns finer than the terrain's pixels show the same tunnel more finely.
+TEST(PrismField, TunnelsPlaceDoesNotDependOnTheSpacing) {
+  const test::Coast land = ridge();
+  const auto mouths = [&](double spacing) {
+    return test::fact<std::vector<double>>(
+        dug(land.site, {{"count", std::int64_t{0}}, {"spacing", spacing}, {"tunnel", 2.5}, {"cover", 14.0}}),
+        "mouths");
+  };
+  ASSERT_EQ(mouths(1).size(), 6u);
+  EXPECT_EQ(mouths(1), mouths(0.6));
+  EXPECT_EQ(mouths(1), mouths(0.35));
+}
+
+// Upright faces lie between the planes of a scene's lattice: on a plane they would fall from voxel to voxel.
+TEST(PrismField, FacesLieOffTheLattice) {
+  const test::Coast coast;
+  const double spacing = 0.5;
+  const Result result = dug(coast.site, {{"source", std::string("box")},
+                                         {"alone", true},
+                                         {"at", std::vector<double>{500000, 4000000, 50}},
+                                         {"size", std::vector<double>{20, 16, 10}},
+                                         {"spacing", spacing},
+                                         {"count", std::int64_t{0}}});
+  const auto field = test::carved(coast.site, result);
+  for (const double voxel : {spacing, spacing / 2, spacing / 3, spacing / 4})
+    for (double x = -11; x < 11; x += voxel)
+      for (double y = -9; y < 9; y += voxel)
+        EXPECT_GT(std::abs(field.value({x, y, 55.1})), 0.1f * static_cast<float>(voxel)) << x << ", " << y;
+}
+
 TEST(PrismField, BadRowsGetOneSentence) {
   const test::Coast coast;
   const auto error = [&](Row row) -> std::string {
