@@ -20,20 +20,22 @@ Vec3f wave_normal(Vec3f p, float wavelength) {
   return normalized(Vec3f{slope.x, slope.y, 1});
 }
 
-/// Roughness finer than the mesh can hold, where pixels are fine enough to show it: it tints and tilts by a
-/// little. It gives bare walls a scale and changes no outline.
+/// Roughness finer than the mesh can hold, down to what a pixel shows: it tints and tilts by a little. It
+/// gives bare walls a scale however near they are, and changes no outline.
 void roughen(Surface& s, float spacing, float pixel) {
+  // Creased, since rock weathers along cracks.
   const auto noise = [](Vec3f p, double scale) {
-    return simplex({p.x * scale, p.y * scale, p.z * scale * 1.8}, 7);
+    const float n = simplex({p.x * scale, p.y * scale, p.z * scale * 1.8}, 7);
+    return std::abs(2 * n - 1);
   };
-  float wavelength = 2.5f * spacing;
-  for (int octave = 0; octave < 3; ++octave, wavelength *= 0.42f) {
+  float wavelength = 2.5f * spacing, share = 1;
+  for (int octave = 0; octave < 12; ++octave, wavelength *= 0.47f, share *= 0.85f) {
     const float shown = smooth(2.0f, 5.0f, wavelength / pixel);
     if (shown <= 0) return;
     const double scale = 1 / wavelength;
     const float here = noise(s.position, scale), step = 0.1f * wavelength;
-    s.albedo = s.albedo * (1 + 0.15f * shown * (here - 0.5f));
-    const float tilt = 0.055f * shown / 0.1f;
+    s.albedo = s.albedo * (1 + 0.16f * share * shown * (here - 0.4f));
+    const float tilt = 0.04f * share * shown / 0.1f;
     const Vec3f slope{noise(s.position + Vec3f{step, 0, 0}, scale) - here,
                       noise(s.position + Vec3f{0, step, 0}, scale) - here,
                       noise(s.position + Vec3f{0, 0, step}, scale) - here};
