@@ -182,6 +182,21 @@ TEST(Render, OwnNormalsAndColoursWhenTheMeshHasNone) {
   EXPECT_GT(sky, 500);
 }
 
+/// Standard deviation of the brightness of bare ground, triangles of 100 m, from `height` metres above.
+double grain(double height) {
+  mesh::Mesh mesh;
+  add_flat_box(mesh, {-50, -50, -5}, {50, 50, 0}, grey);
+  const raster::Image image = render(mesh, Camera{{3, -height, height}, {3, 0, 0}}, small());
+  double sum = 0, squares = 0;
+  for (const auto& p : image.values()) sum += brightness(p), squares += brightness(p) * brightness(p);
+  const auto n = static_cast<double>(image.values().size());
+  return std::sqrt(std::max(0.0, squares / n - sum / n * (sum / n)));
+}
+
+TEST(Render, WallsHaveGrainHoweverNearTheyAre) {
+  for (const double height : {8.0, 1.0, 0.2}) EXPECT_GT(grain(height), 3) << height;
+}
+
 TEST(Render, RefusesCamerasAndSizesThatMakeNoPicture) {
   const mesh::Mesh mesh = terrain(10, 1);
   const Scene scene(mesh);
