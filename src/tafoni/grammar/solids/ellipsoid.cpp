@@ -12,14 +12,14 @@ struct Ellipsoid final : Solid {
   // overshoot.
   double distance(Vec3d p) const override {
     const double a[3] = {hx, hy, hz}, at[3] = {p.x, p.y, p.z};
-    double q[3], t = -1e300, greatest = 0, inside = 0;
+    double q[3], t = -1e300, inside = 0;
+    const double least = std::min({hx, hy, hz}) * std::min({hx, hy, hz});
     for (int i = 0; i < 3; ++i) {
       q[i] = std::max(std::abs(at[i]), 1e-9 * a[i]);
       t = std::max(t, a[i] * q[i] - a[i] * a[i]);
-      greatest = std::max(greatest, a[i] * a[i]);
       inside += q[i] * q[i] / (a[i] * a[i]);
     }
-    constexpr int most = 60;
+    constexpr int most = 100;
     for (int step = 0; step < most; ++step) {
       double f = -1, slope = 0;
       for (int i = 0; i < 3; ++i) {
@@ -29,8 +29,8 @@ struct Ellipsoid final : Solid {
       }
       const double further = f / slope;
       t += further;
-      // What is left is the square of it.
-      if (std::abs(further) <= 1e-7 * greatest) break;
+      // What is left is the square of it, as a share of the way to the pole.
+      if (std::abs(further) <= 1e-7 * (t + least)) break;
     }
     double square = 0;
     for (int i = 0; i < 3; ++i) {

@@ -6,7 +6,13 @@ namespace {
 struct Torus final : Solid {
   double ring = 1, tube = 0.4;
 
-  double distance(Vec3d p) const override { return tube - impl::norm(impl::norm(p.x, p.y) - ring, p.z); }
+  double distance(Vec3d p) const override {
+    const double r = impl::norm(p.x, p.y), out = r - ring, from_circle = impl::norm(out, p.z);
+    // A tube wider than the ring meets itself on the axis, and what lies beyond is inside.
+    if (tube > ring && ring * from_circle + tube * out < 0)
+      return impl::norm(r, std::abs(p.z) - std::sqrt(tube * tube - ring * ring));
+    return tube - from_circle;
+  }
   Box3d bounds() const override { return impl::centered({ring + tube, ring + tube, tube}); }
   /// Passages enter from outside, from above and below, but not from the hole, where there is no room.
   std::vector<Bond> bonds() const override {
