@@ -11,11 +11,18 @@ namespace {
 
 constexpr double near_enough = 1e-3;  // metres between a bond and the surface it lies on
 
-/// On the surface, with free space before it.
+/// On the surface, with free space before it and something behind.
 bool is_free(const field::CompiledField& base, const Bond& bond) {
-  constexpr double before = 0.05;
+  constexpr double before = 0.05, behind = 0.005;
   return std::abs(base.value(bond.point)) < static_cast<float>(near_enough) &&
-         (bond.direction == Vec3d{} || base.value(bond.point + bond.direction * before) < 0);
+         (bond.direction == Vec3d{} || (base.value(bond.point + bond.direction * before) < 0 &&
+                                        base.value(bond.point - bond.direction * behind) > 0));
+}
+
+/// L_B, within 45 degrees.
+bool looks_along(const Bond& bond, Vec3d direction) {
+  constexpr double cos45 = 0.7071067811865475;
+  return bond.direction == Vec3d{} || direction == Vec3d{} || dot(bond.direction, direction) >= cos45;
 }
 
 /// Nothing lies before it, however far.
@@ -132,10 +139,17 @@ Shape Assembly::shape() const {
   return out;
 }
 
+bool Assembly::open_towards(Vec3d direction) const {
+  const field::CompiledField base = field::compile(tree(form()));
+  return std::any_of(parts_.begin(), parts_.end(), [&](const Part& part) {
+    return std::any_of(part.bonds.begin(), part.bonds.end(),
+                       [&](const Bond& bond) { return looks_along(bond, direction) && is_free(base, bond); });
+  });
+}
+
 std::optional<Assembly::Label> Assembly::find_label(const Shape& added, const Production& how, Random& random,
                                                     const Accept& accept) const {
   const field::CompiledField base = field::compile(tree(form()));
-  constexpr double cos45 = 0.7071067811865475;
   // An assembly is glued by its outermost sides.
   const std::vector<std::size_t> by_reach =
       ranked(added.bonds, random, [](const Bond& bond) { return dot(bond.point, bond.direction); });
@@ -151,8 +165,7 @@ std::optional<Assembly::Label> Assembly::find_label(const Shape& added, const Pr
     };
     for (const std::size_t b : ranked(part.bonds, random, forward)) {
       const Bond& bond = part.bonds[b];
-      const bool loose = bond.direction == Vec3d{} || how.direction == Vec3d{};
-      if ((!loose && dot(bond.direction, how.direction) < cos45) || !is_free(base, bond)) continue;
+      if (!looks_along(bond, how.direction) || !is_free(base, bond)) continue;
       for (const bool turned : {false, true}) {
         if (turned && !how.turn) break;
         for (const std::size_t a : by_reach) {
@@ -189,28 +202,37 @@ bool Assembly::apply(const Shape& added, const Production& how, const Label& lab
     parts_.push_back({form, box, std::move(others), label.part, base, box});
     return true;
   }
-  if (how.operation == Operation::difference) {
-    // max(a, b) less c is max(a less c, b less c); parts that c does not reach keep their surface.
-    for (Part& part : parts_)
-      if (part.bounds.overlaps(box)) part.form = combined(Operation::difference, part.form, form);
-    return true;
-  }
-  const bool all_of_it = how.whole && how.operation == Operation::morph;
-  if (all_of_it) {
+  if (how.operation == Operation::difference) return carve(added, label);
+  if (how.whole) {
     Part all{this->form(), bounds(), {}, -1, {}, parts_.front().core};
     for (Part& part : parts_) all.bonds.insert(all.bonds.end(), part.bonds.begin(), part.bonds.end());
     parts_ = {std::move(all)};
   }
-  Part& part = parts_[all_of_it ? 0 : static_cast<std::size_t>(label.part)];
+  Part& part = parts_[how.whole ? 0 : static_cast<std::size_t>(label.part)];
   part.form = combined(how.operation, part.form, form, how.alpha);
   if (how.operation == Operation::morph) part.bounds.expand(box);
   part.bonds.insert(part.bonds.end(), others.begin(), others.end());
+  part.bonds.push_back(base);  // the surface has moved away from under the label
   settle(part.bonds, field::compile(tree(part.form)), length(part.bounds.size()));
   std::erase_if(part.bonds, [&](const Bond& bond) {
     return std::any_of(labels_.begin(), labels_.end(),
                        [&](const auto& used) { return length(used.first.point - bond.point) < near_enough; });
   });
   return !part.bonds.empty();
+}
+
+bool Assembly::carve(const Shape& added, const Label& label) {
+  const FormPtr form = placed(added.form, label.final);
+  const Box3d box = label.final.placed(added.bounds);
+  // max(a, b) less c is max(a less c, b less c); parts that c does not reach keep their surface.
+  for (Part& part : parts_)
+    if (part.bounds.overlaps(box)) part.form = combined(Operation::difference, part.form, form);
+  Part& part = parts_[static_cast<std::size_t>(label.part)];
+  for (const Bond& own : added.bonds) {
+    const Bond bond = label.final.placed(own);
+    part.bonds.push_back({bond.point, -bond.direction});
+  }
+  return open_towards({});
 }
 
 bool Assembly::produce(const Shape& added, const Production& how, Random& random, const Accept& accept) {

@@ -31,8 +31,10 @@ struct Production {
   double sink = 0;
   bool turn = true;    ///< the added shape may be turned so that a bond of its own looks the other way
   bool level = false;  ///< instead of `sink`: until its middle is level with that of the part
-  bool whole = false;  ///< a morph acts on the whole base, as the document has it, not on one part of it
-  int part = -1;       ///< the part whose bonds are tried first; -1: the last
+  /// A morph or an intersection acts on the whole base, as the document has it, not on one part of it. All
+  /// of it is one part then, the first.
+  bool whole = false;
+  int part = -1;  ///< the part whose bonds are tried first; -1: the last
 };
 
 /// One part of the base: what a sum added, and all that was done to it since.
@@ -52,10 +54,14 @@ class Assembly {
 
   /// Adds a shape where it lies, without a label: what an empty base begins with.
   void begin(const Shape& shape, const Pose& pose = {});
-  /// Adds a shape by a label between a free bond of the base and one of the shape, drawn from `random`.
+  /// Adds a shape by a label between a free bond of the base and one of the shape, drawn from `random`. What
+  /// a difference takes away leaves its own bonds on the walls of the hollow, the other way round.
   /// False, and nothing changed, where no label can be made, `accept` (may be null) refuses every place, or
   /// nothing would be left to go on from.
   bool produce(const Shape& added, const Production& how, Random& random, const Accept& accept = nullptr);
+
+  /// Whether a free bond looks along the direction (of a Production).
+  bool open_towards(Vec3d direction) const;
 
   const std::vector<Part>& parts() const { return parts_; }
   bool empty() const { return parts_.empty(); }
@@ -77,6 +83,7 @@ class Assembly {
   std::optional<Label> find_label(const Shape& added, const Production& how, Random& random,
                                   const Accept& accept) const;
   bool apply(const Shape& added, const Production& how, const Label& label);
+  bool carve(const Shape& added, const Label& label);
 
   std::vector<Part> parts_;
   std::vector<std::pair<Bond, Bond>> labels_;

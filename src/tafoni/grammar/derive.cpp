@@ -7,7 +7,7 @@
 namespace tafoni::grammar {
 namespace {
 
-constexpr int tries = 12;
+constexpr int tries = 20;
 
 class Generator {
  public:
@@ -21,12 +21,19 @@ class Generator {
     const std::vector<Operation> order = operations();
     bool first = true;
     progress.begin("productions", order.size(), "productions");
-    for (const Operation operation : order) {
+    for (std::size_t k = 0; k < order.size(); ++k) {
       progress.check();
       for (int i = 0; i < tries; ++i) {
-        Production how = production(operation, base);
+        // What finds nothing to take away from adds instead, so that P_C is kept.
+        const bool given_up = i >= tries / 2 && order[k] != Operation::morph;
+        Production how = production(given_up ? Operation::sum : order[k], base);
         if (first) how.direction = {};
+        const Assembly before = base;
         if (!base.produce(shape(), how, random_, accept)) continue;
+        if (k + 1 < order.size() && !base.open_towards(direction_)) {
+          base = before;
+          continue;
+        }
         first = false;
         break;
       }

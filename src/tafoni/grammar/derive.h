@@ -26,7 +26,8 @@ struct Settings {
   double branches = 0.2;                         ///< share of productions that do not continue the last part
   double differences = 0.15, intersections = 0;  ///< shares of the classic productions that follow the first
   bool turn = true;                              ///< shapes may be turned to make a label
-  bool whole = false;  ///< morphs act on the whole base, to the letter, not on the part they touch
+  bool whole = false;  ///< morphs and intersections act on the whole base, to the letter, not on the part
+                       ///< they touch
   std::uint64_t seed = 0;
 };
 
@@ -38,8 +39,10 @@ std::vector<std::string> direction_names();
 std::vector<ParamInfo> rule_columns();
 
 /// Continues `base` (mostly empty) by P_C + P_M productions at random: the morphic ones are spread among the
-/// classic ones, and a shape that finds no place is drawn anew a few times before its production is dropped.
-/// The first production takes any direction.
+/// classic ones, and a shape that finds no place, or would leave none in the direction L_B, is drawn anew a
+/// few times before its production is dropped; a difference or an intersection becomes a sum before that. The
+/// first production takes any direction. Throws Error{usage} for names and sizes of solids that are not
+/// known.
 void derive_at_random(Assembly& base, const Settings& settings, const Assembly::Accept& accept = nullptr,
                       Progress& progress = silent());
 
@@ -48,7 +51,7 @@ void derive_at_random(Assembly& base, const Settings& settings, const Assembly::
 /// on the part where the symbol stands, and the row's `next` symbols stand on it then. Ends when P_C and P_M
 /// are spent or no symbol is left. A shape may be a solid or another symbol, which is then derived by itself
 /// and stored as one shape (P_S of its productions). Throws Error{usage} naming the row and what is wrong
-/// with it.
+/// with it, or that the table makes more symbols or larger shapes than anyone can mean.
 void derive_by_rules(Assembly& base, const Rows& rules, const Settings& settings,
                      const Assembly::Accept& accept = nullptr, Progress& progress = silent());
 

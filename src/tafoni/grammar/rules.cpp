@@ -133,7 +133,11 @@ class Rewriting {
     }
     if (!known(r.shape)) {
       const SolidType& type = find_solid(r.shape);
-      return shape_of(type.make(type.fit(half * settings_.size)));
+      try {
+        return shape_of(type.make(type.fit(half * settings_.size)));
+      } catch (const Error& error) {
+        fail(error.kind(), "{}: {}", r.where, error.what());
+      }
     }
     constexpr int deepest = 8;
     if (depth >= deepest)
@@ -164,16 +168,28 @@ class Rewriting {
       // The empty shape is no production: its symbols go on where its own stood.
       const bool nothing = r->shape == "empty";
       if (!nothing) {
-        if (left == 0 || !place(base, *r, how, accept, depth)) continue;
+        if (left == 0) continue;
+        if (depth == 0)
+          stored_ = 0;
+        else if (++stored_ > most_stored)
+          fail(ErrorKind::usage, "{}: one shape is made of more than {} productions; nest fewer symbols",
+               r->where, most_stored);
+        if (!place(base, *r, how, accept, depth)) continue;
         --left;
         first = false;
         if (depth == 0) progress_.advance();
-      } else if (++idle_ > limit) {
+        if (how.whole && (how.operation == Operation::morph || how.operation == Operation::intersection))
+          for (Standing& other : open) other.part = 0;
+      } else if (++idle_ > most_idle) {
         fail(ErrorKind::usage, "{}: empty shapes follow one another without end", r->where);
       }
       const bool grew = !nothing && how.operation == Operation::sum;
-      const int part = grew ? static_cast<int>(base.parts().size()) - 1 : at.part;
+      const int last = static_cast<int>(base.parts().size()) - 1,
+                part = grew ? last : std::min(at.part, last);
       for (const std::string& symbol : r->next) open.push_back({symbol, part});
+      if (open.size() > most_open)
+        fail(ErrorKind::usage, "{}: more than {} symbols wait for a production; let fewer follow", r->where,
+             most_open);
     }
   }
 
@@ -185,12 +201,13 @@ class Rewriting {
     return false;
   }
 
-  static constexpr int limit = 10000;
+  static constexpr int most_idle = 10000, most_stored = 256;
+  static constexpr std::size_t most_open = 100000;
   const Settings& settings_;
   Progress& progress_;
   Random random_;
   std::vector<Rule> rules_;
-  int idle_ = 0;
+  int idle_ = 0, stored_ = 0;  ///< empty shapes so far; productions of the shape that is being made
 };
 
 }  // namespace

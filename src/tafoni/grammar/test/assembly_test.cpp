@@ -204,6 +204,62 @@ TEST(Assembly, AZeroDirectionGluesWithAnyAndNothingGluesWithTheEmptyShape) {
   EXPECT_EQ(base.parts().size(), 2u);
 }
 
+TEST(Assembly, AHollowHasTheBondsOfWhatIsTakenAway) {
+  Random random(8);
+  Assembly base;
+  base.begin(solid("cube", {2, 2, 2}));
+  Production how;
+  how.operation = Operation::difference;
+  how.direction = {1, 0, 0};
+  how.sink = 0.5;
+  ASSERT_TRUE(base.produce(solid("cube", {1, 1, 1}), how, random));
+  EXPECT_EQ(base.classic(), 2);
+  // The wall at the end of the hollow, one metre in, looks out along +X.
+  how.operation = Operation::sum;
+  how.sink = 0;
+  ASSERT_TRUE(base.open_towards(how.direction));
+  ASSERT_TRUE(base.produce(solid("cube", {1, 0.5, 0.5}), how, random));
+  EXPECT_NEAR(length(base.labels()[1].first.point - Vec3d{1, 0, 0}), 0, 1e-9);
+  EXPECT_NEAR(base.bounds().hi.x, 3, 1e-9);
+}
+
+TEST(Assembly, ADifferenceThatLeavesNothingIsRefused) {
+  Random random(9);
+  Assembly base;
+  base.begin(solid("cube", {1, 1, 1}));
+  Production how;
+  how.operation = Operation::difference;
+  how.direction = {1, 0, 0};
+  how.sink = 1;
+  EXPECT_FALSE(base.produce(solid("cube", {2, 2, 2}), how, random));
+  EXPECT_EQ(base.classic(), 1);
+  EXPECT_GT(value(base.form(), {0, 0, 0}), 0);
+}
+
+TEST(Assembly, OperationsOnTheWholeBaseAreTheDocuments) {
+  for (const Operation operation : {Operation::intersection, Operation::morph}) {
+    Random random(10);
+    Assembly base;
+    base.begin(solid("cube", {2, 1, 1}));
+    Production how;
+    how.direction = {1, 0, 0};
+    ASSERT_TRUE(base.produce(solid("cube", {1, 0.5, 0.5}), how, random));
+    const FormPtr before = base.form();
+    how.operation = operation;
+    how.alpha = 0.3;
+    how.whole = true;
+    how.sink = 1;
+    ASSERT_TRUE(base.produce(solid("sphere", {1.2, 1.2, 1.2}), how, random));
+    EXPECT_EQ(base.parts().size(), 1u);
+    const Vec3d middle{4 - 1.2, 0, 0};
+    for (const Vec3d p : places(base.bounds().grown(1), 500, 11)) {
+      const double f = value(before, p), g = 1.2 - length(p - middle);
+      EXPECT_NEAR(value(base.form(), p), operation == Operation::morph ? 0.7 * f + 0.3 * g : std::min(f, g),
+                  1e-5);
+    }
+  }
+}
+
 TEST(Derive, KeepsTheSixParameters) {
   Settings settings;
   settings.classic = 8;
@@ -228,6 +284,27 @@ TEST(Derive, KeepsTheSixParameters) {
   derive_at_random(down, settings);
   EXPECT_GT(down.bounds().size().z, 2 * down.bounds().size().y);
   EXPECT_THROW(direction_of("+W"), Error);
+}
+
+TEST(Derive, NearlyAlwaysMakesAllProductions) {
+  for (const bool along : {true, false})
+    for (const double cuts : {0.1, 0.4}) {
+      Settings settings;
+      settings.direction = along ? "+X" : "random";
+      settings.differences = cuts;
+      settings.intersections = along ? 0 : 0.2;
+      settings.per_shape = 1;
+      int lacking = 0;
+      constexpr int seeds = 60;
+      for (settings.seed = 0; settings.seed < seeds; ++settings.seed) {
+        Assembly base;
+        derive_at_random(base, settings);
+        EXPECT_LE(base.classic(), settings.classic);
+        EXPECT_LE(base.morphic(), settings.morphic);
+        lacking += base.classic() + base.morphic() < settings.classic + settings.morphic;
+      }
+      EXPECT_LE(lacking, 1) << along << ' ' << cuts;
+    }
 }
 
 TEST(Derive, TheSameSeedMakesTheSameAssembly) {
@@ -287,7 +364,7 @@ TEST(Rules, MakeWhatTheySay) {
   EXPECT_EQ(base.parts()[2].parent, 0);
   EXPECT_EQ(base.parts()[3].parent, 2);
   EXPECT_EQ(elements(base.form()), 2u + 3u * 2u);
-  EXPECT_GT(base.bounds().hi.x, 2 + 3 * 0.39);
+  EXPECT_NEAR(base.bounds().hi.x, 2 + 3 * 2, 1e-9);
   EXPECT_NEAR(base.parts()[1].core.hi.y, 2 + 3 - 0.3, 1e-9);
 }
 
@@ -313,7 +390,57 @@ TEST(Rules, BadOnesAreNamed) {
   EXPECT_THAT(message({{"symbol", "A"}, {"shape", "cube"}, {"next", "B"}}), HasSubstr("\"B\""));
   EXPECT_THAT(message({{"symbol", "A"}, {"shape", "A"}}), HasSubstr("made of itself"));
   EXPECT_THAT(message({{"symbol", "A"}, {"shape", "empty"}, {"next", "A"}}), HasSubstr("without end"));
+  EXPECT_THAT(message({{"symbol", "A"}, {"shape", "cube"}, {"size", "1e400"}}), HasSubstr("size ="));
+  EXPECT_THAT(message({{"symbol", "A"}, {"shape", "cube"}, {"weight", "nan"}}), HasSubstr("weight ="));
   EXPECT_EQ(message({{"symbol", "A"}, {"shape", "cube"}}), "none");
+}
+
+TEST(Rules, TablesThatGrowWithoutMeasureAreRefused) {
+  const auto message = [](const Rows& rows, const Settings& settings) -> std::string {
+    Assembly base;
+    try {
+      derive_by_rules(base, checked_rows(rows), settings);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  using testing::HasSubstr;
+  Rows nested;
+  for (char c = 'A'; c < 'H'; ++c)
+    nested.push_back({{"symbol", std::string(1, c)},
+                      {"shape", c == 'G' ? "cube" : std::string(1, static_cast<char>(c + 1))},
+                      {"label", "random"},
+                      {"next", std::string(1, c)}});
+  Settings settings;
+  settings.per_shape = 10;
+  EXPECT_THAT(message(nested, settings), HasSubstr("made of more than"));
+  std::string many;
+  for (int i = 0; i < 2000; ++i) many += "A ";
+  EXPECT_THAT(message({{{"symbol", "A"}, {"shape", "empty"}, {"next", many}}}, settings),
+              HasSubstr("symbols wait"));
+  settings.size = 1e3;
+  EXPECT_THAT(message({{{"symbol", "A"}, {"shape", "cube"}, {"size", "1e4"}}}, settings),
+              HasSubstr("rule 1: "));
+}
+
+TEST(Rules, GoOnAfterTheWholeWasMorphed) {
+  const Rows rules = checked_rows({{{"symbol", "A"}, {"shape", "cube"}, {"label", "+X"}, {"next", "A B"}},
+                                   {{"symbol", "B"},
+                                    {"shape", "sphere"},
+                                    {"operation", "morph"},
+                                    {"label", "random"},
+                                    {"morph", "20"},
+                                    {"next", "A"}}});
+  Settings settings;
+  settings.whole = true;
+  settings.classic = 12;
+  settings.morphic = 4;
+  Assembly base;
+  derive_by_rules(base, rules, settings);
+  EXPECT_EQ(base.morphic(), 4);
+  for (std::size_t i = 1; i < base.parts().size(); ++i)
+    EXPECT_LT(base.parts()[i].parent, static_cast<int>(i));
 }
 
 }  // namespace

@@ -81,7 +81,7 @@ const ParamTable<Params>& table() {
               "share of classic productions that cut a shape down to another")
         .boolean("turn", &Params::turn, "whether shapes may be turned to fit")
         .boolean("whole", &Params::whole,
-                 "whether a morph acts on the whole cave, not on the part it touches")
+                 "whether morphs and intersections act on the whole cave, not on the part they touch")
         .rows("rule", &Params::rule, grammar::rule_columns(),
               "the grammar; without rules, shapes and places are drawn at random")
         .numbers("at", &Params::at, "m", 0, -1e9, 1e9,
@@ -311,43 +311,71 @@ class Cave {
       if (count(best) > 0.8 * static_cast<double>(p_.classic + p_.morphic)) break;
     }
     base_ = std::move(best);
-    return base_.parts().size() > 1;
+    return count(base_) > 1;
+  }
+
+  /// A part's place on the way.
+  struct Node {
+    bool reached = false;
+    Vec3d at, door;
+    double length = 0;
+    int parent = -1;
+  };
+
+  /// As steep as it takes to the part's own floor, or less steep where that would cross another stretch.
+  Node reach(const Part& part, const Node& from) {
+    constexpr double headroom = 2.2;
+    const auto plan = [](Vec3d a, Vec3d b) { return std::hypot(a.x - b.x, a.y - b.y); };
+    Vec3d to = part.core.center(), door = part.door.point;
+    const double before = plan(from.at, door), length = before + plan(door, to);
+    if (!from.reached || length < 0.1) return {};
+    const double floor = part.core.lo.z + 0.3 * part.core.size().z;
+    for (const double steepest : {0.4, 0.2, 0.0}) {
+      to.z = std::clamp(floor, from.at.z - steepest * length, from.at.z + steepest * length);
+      if (to.z < part.core.lo.z - 0.5 || to.z > part.core.hi.z - headroom) return {};
+      door.z = from.at.z + (to.z - from.at.z) * before / length;
+      const Stretch first{frame_.placed(from.at), frame_.placed(door)},
+          second{frame_.placed(door), frame_.placed(to)};
+      if (crosses(first) || crosses(second)) continue;
+      found_.stretches.push_back(first);
+      found_.stretches.push_back(second);
+      return {true, to, door, from.length + length, part.parent};
+    }
+    return {};
+  }
+
+  /// Whether the floor of one stretch would lie in the way of another.
+  bool crosses(const Stretch& added) const {
+    constexpr double step = 0.25, head = 2.4;
+    const auto blocks = [&](const Stretch& s, const Stretch& other) {
+      const int n = 2 + static_cast<int>(2 * length(s.to - s.from));
+      for (int i = 0; i <= n; ++i) {
+        const Vec3d p = s.from + (s.to - s.from) * (static_cast<double>(i) / n);
+        const auto [top, on] = impl::floor_at(other, p);
+        if (top > p.z + step && on - way_.depth < p.z + head) return true;
+      }
+      return false;
+    };
+    return std::any_of(found_.stretches.begin(), found_.stretches.end(),
+                       [&](const Stretch& s) { return blocks(s, added) || blocks(added, s); });
   }
 
   /// Floors are joined from part to part wherever a slope that can be walked leads there.
   void find_way() {
-    constexpr double steepest = 0.4, headroom = 2.2;
-    struct Node {
-      bool reached = false;
-      Vec3d at, door;
-      double length = 0;
-      int parent = -1;
-    };
     const auto& parts = base_.parts();
     std::vector<Node> nodes(parts.size());
     nodes[0] = {true, {passage_length_, 0, 0}, {}, passage_length_, -1};
-    const auto plan = [](Vec3d a, Vec3d b) { return std::hypot(a.x - b.x, a.y - b.y); };
-    std::size_t last = 0;
-    for (std::size_t i = 1; i < parts.size(); ++i) {
-      const Part& part = parts[i];
-      const Node& from = nodes[static_cast<std::size_t>(part.parent)];
-      if (!from.reached) continue;
-      Vec3d to = part.core.center(), door = part.door.point;
-      const double before = plan(from.at, door), length = before + plan(door, to), most = steepest * length;
-      to.z = std::clamp(part.core.lo.z + 0.3 * part.core.size().z, from.at.z - most, from.at.z + most);
-      if (length < 0.1 || to.z < part.core.lo.z - 0.5 || to.z > part.core.hi.z - headroom) continue;
-      door.z = from.at.z + (to.z - from.at.z) * before / length;
-      nodes[i] = {true, to, door, from.length + length, part.parent};
-      if (nodes[i].length > nodes[last].length) last = i;
-      add(from.at, door);
-      add(door, to);
-    }
     Vec3d outside = frame_.placed(Vec3d{-apron, 0, 0});
     outside.z = ground_.height(outside.x, outside.y);
     const Vec3d mouth = frame_.at, inner = frame_.placed(nodes[0].at);
     const double wide = 1.3 * flare * p_.passage + 0.5;
     found_.stretches.push_back({outside, mouth, wide, hinders(outside, mouth)});
     found_.stretches.push_back({mouth, inner, wide});
+    std::size_t last = 0;
+    for (std::size_t i = 1; i < parts.size(); ++i) {
+      nodes[i] = reach(parts[i], nodes[static_cast<std::size_t>(parts[i].parent)]);
+      if (nodes[i].length > nodes[last].length) last = i;
+    }
     std::vector<Vec3d> back;
     for (auto i = static_cast<int>(last); i > 0; i = nodes[static_cast<std::size_t>(i)].parent) {
       back.push_back(frame_.placed(nodes[static_cast<std::size_t>(i)].at));
@@ -366,8 +394,6 @@ class Cave {
     }
     return false;
   }
-
-  void add(Vec3d from, Vec3d to) { found_.stretches.push_back({frame_.placed(from), frame_.placed(to)}); }
 
   /// The field of the rock around the cave, as if all else were rock.
   field::NodePtr walls(const Box3d& box) const {

@@ -16,6 +16,18 @@ double along(const Stretch& s, Vec3d p, bool flat) {
   return square > 0 ? std::clamp(dot(off, way) / square, 0.0, 1.0) : 0;
 }
 
+constexpr double cosine = 0.9702957262759965, sine = 0.2419218955996677;  // of the slope beside the way
+
+/// Where a stretch is nearest in plan, and how far beyond its level width.
+struct Beside {
+  Vec3d on;
+  double off;
+};
+Beside beside(const Stretch& s, Vec3d p) {
+  const Vec3d on = s.from + (s.to - s.from) * along(s, p, true);
+  return {on, std::max(0.0, std::hypot(p.x - on.x, p.y - on.y) - s.width)};
+}
+
 /// A function whose value changes by no more than `slope` times the way that is gone.
 class Gentle : public field::Function {
  public:
@@ -68,13 +80,10 @@ class Floor final : public Gentle {
       : Gentle(std::move(way), settings, 1.2, settings.bumps) {}
 
  private:
-  static constexpr double cosine = 0.9702957262759965, sine = 0.2419218955996677;
-
   double plain(Vec3d p) const override {
     double most = -1e12;
     for (const Stretch& s : way_) {
-      const Vec3d on = s.from + (s.to - s.from) * along(s, p, true);
-      const double off = std::max(0.0, std::hypot(p.x - on.x, p.y - on.y) - s.width);
+      const auto [on, off] = beside(s, p);
       most = std::max(most, std::min((on.z - p.z) * cosine - off * sine, p.z - (on.z - settings_.depth)));
     }
     return most;
@@ -108,6 +117,11 @@ class Outside final : public Gentle {
 
 field::FunctionPtr outside_of(const Box3d& box, double steep) {
   return std::make_shared<Outside>(box, steep);
+}
+
+FloorAt floor_at(const Stretch& stretch, Vec3d p) {
+  const auto [on, off] = beside(stretch, p);
+  return {on.z - off * sine / cosine, on.z};
 }
 
 field::FunctionPtr room_of(std::vector<Stretch> way, const WaySettings& settings) {

@@ -24,6 +24,12 @@ struct WaySettings {
   std::uint64_t seed = 0;
 };
 
+/// Elevation, at `p` in plan, of a stretch's floor without its bumps, and of the stretch where it is nearest.
+struct FloorAt {
+  double top, on;
+};
+FloorAt floor_at(const Stretch& stretch, Vec3d p);
+
 /// The room: metres to its surface, positive inside.
 field::FunctionPtr room_of(std::vector<Stretch> way, const WaySettings& settings);
 /// The sediment: positive inside; beside the way its surface falls off at 14 degrees.
