@@ -164,32 +164,6 @@ HWY_INLINE unsigned meet_triangles(const TriangleTree::Block& block, const Probe
   return mask;
 }
 
-void along_kernel(const Layout& tree, const Probe& p, PathFound found, void* context) {
-  float end = p.end;
-  double best = p.begin + p.scale * static_cast<double>(end);
-  Stack stack;
-  stack.entries[stack.count++] = {0, 0, tree.levels};
-  while (stack.count > 0) {
-    const Stack::Entry e = stack.pop();
-    if (e.near > end) continue;
-    if (e.level > 0) {
-      const TriangleTree::Node& node = tree.nodes[tree.first[e.level - 1] + e.index];
-      alignas(32) float near[width];
-      const unsigned mask = meet_boxes(node, p, end, near);
-      stack.push(mask, near, e.index * width, e.level - 1);
-      continue;
-    }
-    const TriangleTree::Block& block = tree.blocks[e.index];
-    for (unsigned mask = meet_triangles(block, p, end); mask; mask &= mask - 1) {
-      const double now = found(context, triangle_of(block, __builtin_ctz(mask)), best);
-      if (now >= best) continue;
-      best = now;
-      if (best < p.begin) return;
-      end = std::min(p.end, static_cast<float>((best - p.begin) / p.scale) + 1e-6f);
-    }
-  }
-}
-
 /// Squared distances from the point to boxes, and which are within `limit`.
 HWY_INLINE V box_distance(const V* lo, const V* hi, const Around& p) {
   const F d;
@@ -237,29 +211,74 @@ HWY_INLINE unsigned near_triangles(const TriangleTree::Block& block, const Aroun
   return mask;
 }
 
-void around_kernel(const Layout& tree, const Around& p, double distance, AroundFound found, void* context) {
+/// What is looked for along a path: shares of it.
+struct AlongSearch {
+  const Probe& p;
+  PathFound found;
+  void* context;
+  float end = p.end;
+  double best = p.begin + p.scale * static_cast<double>(end);
+
+  bool beyond(float near) const { return near > end; }
+  unsigned boxes(const TriangleTree::Node& node, float* near) const { return meet_boxes(node, p, end, near); }
+  unsigned triangles(const TriangleTree::Block& block) const { return meet_triangles(block, p, end); }
+  bool take(const Triangle& triangle) {
+    const double now = found(context, triangle, best);
+    if (now >= best) return true;
+    best = now;
+    end = std::min(p.end, static_cast<float>((best - p.begin) / p.scale) + 1e-6f);
+    return best >= p.begin;
+  }
+};
+
+/// What is looked for around a point: distances, squared where they are a box's.
+struct AroundSearch {
+  const Around& p;
+  AroundFound found;
+  void* context;
+  double distance;
   float limit = static_cast<float>(distance) + p.slack;
+
+  bool beyond(float near) const { return near > limit * limit; }
+  unsigned boxes(const TriangleTree::Node& node, float* near) const {
+    return near_boxes(node, p, limit, near);
+  }
+  unsigned triangles(const TriangleTree::Block& block) const { return near_triangles(block, p, limit); }
+  bool take(const Triangle& triangle) {
+    const double now = found(context, triangle, distance);
+    if (now >= distance) return true;
+    distance = now;
+    limit = static_cast<float>(distance) + p.slack;
+    return distance >= 0;
+  }
+};
+
+/// Near boxes first; what the search has found meanwhile leaves out those behind. take() says whether to go
+/// on.
+template <class Search>
+HWY_INLINE void traverse(const Layout& tree, Search search) {
   Stack stack;
   stack.entries[stack.count++] = {0, 0, tree.levels};
   while (stack.count > 0) {
     const Stack::Entry e = stack.pop();
-    if (e.near > limit * limit) continue;
+    if (search.beyond(e.near)) continue;
     if (e.level > 0) {
-      const TriangleTree::Node& node = tree.nodes[tree.first[e.level - 1] + e.index];
       alignas(32) float near[width];
-      const unsigned mask = near_boxes(node, p, limit, near);
+      const unsigned mask = search.boxes(tree.nodes[tree.first[e.level - 1] + e.index], near);
       stack.push(mask, near, e.index * width, e.level - 1);
       continue;
     }
     const TriangleTree::Block& block = tree.blocks[e.index];
-    for (unsigned mask = near_triangles(block, p, limit); mask; mask &= mask - 1) {
-      const double now = found(context, triangle_of(block, __builtin_ctz(mask)), distance);
-      if (now >= distance) continue;
-      distance = now;
-      if (distance < 0) return;
-      limit = static_cast<float>(distance) + p.slack;
-    }
+    for (unsigned mask = search.triangles(block); mask; mask &= mask - 1)
+      if (!search.take(triangle_of(block, __builtin_ctz(mask)))) return;
   }
+}
+
+void along_kernel(const Layout& tree, const Probe& p, PathFound found, void* context) {
+  traverse(tree, AlongSearch{p, found, context});
+}
+void around_kernel(const Layout& tree, const Around& p, double distance, AroundFound found, void* context) {
+  traverse(tree, AroundSearch{p, found, context, distance});
 }
 
 }  // namespace HWY_NAMESPACE
