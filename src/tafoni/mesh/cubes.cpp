@@ -133,8 +133,8 @@ Cubes inside_cubes(const Mesh& mesh, double edge, Progress& progress) {
   Columns columns{{box.lo.x, box.hi.x, edge}, {box.lo.y, box.hi.y, edge}, {}};
   const Span z(box.lo.z, box.hi.z, edge);
   const std::int64_t width = columns.x.cubes() + 1, height = columns.y.cubes() + 1, layers = z.cubes() + 1;
-  constexpr double most = 1ll << 28;
-  if (static_cast<double>(width) * static_cast<double>(height) > most)
+  constexpr std::int64_t most_columns = 1 << 24, most_in_row = 1 << 29;
+  if (width > most_columns / height || width > most_in_row / layers)
     fail(ErrorKind::usage, "cubes of {} m are too small for the mesh; count larger ones", edge);
   columns.crossings.resize(static_cast<std::size_t>(width * height));
   for (const auto& t : mesh.triangles) {

@@ -23,7 +23,7 @@ Cubes inside_cubes(const field::CompiledField& field, const Box3d& box, double e
 
 /// Of a closed mesh, by crossings along lines parallel to z. The lattice stands off multiples of `edge` by an
 /// odd fraction, so that no line meets an edge of a mesh made on a lattice. Means nothing where the mesh is
-/// not closed.
+/// not closed. Throws Error{usage} for more than 2^24 columns of cubes, or 2^29 cubes in a row of columns.
 Cubes inside_cubes(const Mesh& mesh, double edge, Progress& progress = silent());
 
 }  // namespace tafoni::mesh

@@ -144,16 +144,20 @@ class Room {
 
   bool operator()(const Box3d& box) const {
     if (std::abs(box.center().z) > climb_) return false;
-    constexpr int n = 4;
+    const Vec3d size = box.size();
     std::vector<Vec3d> points;
-    for (int i = 0; i <= n; ++i)
-      for (int j = 0; j <= n; ++j)
-        for (const double z : {box.lo.z, box.center().z, box.hi.z + roof_}) {
-          const Vec3d p =
-              frame_.placed(Vec3d{box.lo.x + box.size().x * i / n, box.lo.y + box.size().y * j / n, z});
-          if (!ground_.usable(p, 1)) return false;
-          points.push_back(p);
-        }
+    const auto layer = [&](double z, int i_most, int j_most) {
+      for (int i = 0; i <= i_most; ++i)
+        for (int j = 0; j <= j_most; ++j)
+          points.push_back(
+              frame_.placed(Vec3d{box.lo.x + size.x * i / i_most, box.lo.y + size.y * j / j_most, z}));
+    };
+    const auto metres = [](double way) { return std::clamp(static_cast<int>(std::ceil(way)), 1, 64); };
+    layer(box.hi.z + roof_, metres(size.x), metres(size.y));
+    layer(box.center().z, 4, 4);
+    layer(box.lo.z, 4, 4);
+    if (!std::all_of(points.begin(), points.end(), [&](Vec3d p) { return ground_.usable(p, 1); }))
+      return false;
     std::vector<float> values(points.size());
     rock_.values(points, values);
     return std::all_of(values.begin(), values.end(), [](float v) { return v > 0; });

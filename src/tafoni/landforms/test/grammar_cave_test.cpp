@@ -63,20 +63,23 @@ TEST(GrammarCave, TheRouteLeadsFromOutsideUnderTheHillWithRoomToWalk) {
 }
 
 TEST(GrammarCave, KeepsItsRoof) {
-  const Hill hill;
-  const Result result = hill.run({{"roof", 4.0}, {"roughness", 0.0}, {"bedding", 0.0}});
-  const auto after = test::carved(hill.site, result), before = field::compile(hill.site.terrain);
-  const std::vector<Vec3d> route = hill.route(result);
-  const Vec3d passage = route[2] - route[1], inward = normalized(passage);
   int carved = 0;
-  for (const Vec3d p : test::places({{-60, -45, -5}, {60, 45, 35}}, 100000, 1)) {
-    if (after.value(p) >= 0 || before.value(p) < 0) continue;
-    // The entrance passage itself comes to light.
-    if (dot(p - route[1], inward) < length(passage) + 1) continue;
-    ++carved;
-    ASSERT_GT(before.value(p + Vec3d{0, 0, 3.9}), 0);
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const Hill hill(seed);
+    const Result result = hill.run({{"roof", 4.0}, {"roughness", 0.0}, {"bedding", 0.0}});
+    const auto after = test::carved(hill.site, result), before = field::compile(hill.site.terrain);
+    const std::vector<Vec3d> route = hill.route(result);
+    const Vec3d passage = route[2] - route[1], inward = normalized(passage);
+    for (const Vec3d p : test::places({{-60, -20, 0}, {60, 40, 20}}, 60000, seed)) {
+      if (after.value(p) >= 0 || before.value(p) < 0) continue;
+      // The entrance passage itself comes to light.
+      if (dot(p - route[1], inward) < length(passage)) continue;
+      ++carved;
+      // Ground between the places that are looked at, a metre apart, may dip by centimetres.
+      ASSERT_GT(before.value(p + Vec3d{0, 0, 3.98}), 0) << seed << ": " << p.x << ' ' << p.y << ' ' << p.z;
+    }
   }
-  EXPECT_GT(carved, 100);
+  EXPECT_GT(carved, 1000);
 }
 
 TEST(GrammarCave, AddsNoRockAndTheCastIsWhatItTakesOut) {
