@@ -35,13 +35,17 @@ struct PrismLeafSettings {
   double reach = 7.5;
   /// Local elevation: matter that ends there or lower goes on below without end.
   double floor = -std::numeric_limits<double>::infinity();
+  /// Share of the columns' spacing over which values near the surface are averaged across; 0: not at all.
+  /// Document 000 ends matter at columns, and so rims in teeth and round shafts in stairs; at 0.7 they are
+  /// gone, and with them sheets that are thinner than a quarter of the spacing.
+  double rounding = 0;
 };
 
-/// A leaf for construction trees. Its zero set is the surface that mesh::polygonize() makes (with
-/// DeadPoints::triangles), to rounding. Its values are first-order distances: of tops and bottoms the
-/// vertical distance over the slope's secant, which is the distance to the plane of the triangle; of walls
-/// the distance to the wall, within one cell of it. Beyond a cell from a wall and beside sharp edges they are
-/// only bounds.
+/// A leaf for construction trees. Unless it is rounded, its zero set is the surface that mesh::polygonize()
+/// makes (with DeadPoints::triangles), to rounding of numbers. Its values are first-order distances: of tops
+/// and bottoms the vertical distance over the slope's secant, which is the distance to the plane of the
+/// triangle; of walls the distance to the wall, within one cell of it. Beyond a cell from a wall and beside
+/// sharp edges they are only bounds.
 field::FunctionPtr as_function(const PrismFields& fields, const PrismLeafSettings& settings = {});
 
 }  // namespace tafoni::volume

@@ -33,6 +33,7 @@ struct Params {
   double tunnel = 0;
   double cover = 0;
   double bedding = 0;
+  double rounding = 0.7;
   Rows tools;
 };
 
@@ -61,6 +62,9 @@ const ParamTable<Params>& table() {
               "how deep below the hill's top the tunnel runs, 0 for a quarter of the relief")
         .real("bedding", &Params::bedding, "m", 0, 100,
               "how far soft rock recedes from the surface; at most three quarters of the terrain's amplitude")
+        .real("rounding", &Params::rounding, "", 0, 2,
+              "share of the spacing over which the teeth and stairs are taken off that columns end in; 0 "
+              "leaves them")
         .rows("tool", &Params::tools, impl::tool_columns(),
               "tools applied one after another, after the spheres");
     return t;
@@ -287,7 +291,8 @@ class Digging {
     const double before = volume_of(fields);
     dig(fields);
     Result result = report(fields, before);
-    const auto leaf = wear(nullptr)(field::function(volume::as_function(fields, {.reach = site_.amplitude})));
+    const auto leaf = wear(nullptr)(
+        field::function(volume::as_function(fields, {.reach = site_.amplitude, .rounding = p_.rounding})));
     result.reshaped = p_.alone ? Box3d::everything() : over.grown(2 * spacing_ + site_.amplitude);
     result.reshape = [leaf, alone = p_.alone](field::NodePtr tree) {
       return alone ? leaf : field::combine("union", {std::move(tree), leaf});
@@ -320,8 +325,8 @@ class Digging {
     const double before = volume_of(fields);
     dig(fields);
     Result result = report(fields, before);
-    const auto leaf =
-        volume::as_function(fields, {.reach = site_.amplitude, .floor = fields.frame().origin.z + 1e-3});
+    const auto leaf = volume::as_function(
+        fields, {.reach = site_.amplitude, .floor = fields.frame().origin.z + 1e-3, .rounding = p_.rounding});
     // Up and down it goes as far as the region does.
     Box3d within = over.grown(-spacing_);
     within.lo.z = -std::numeric_limits<double>::infinity();

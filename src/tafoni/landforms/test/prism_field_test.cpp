@@ -126,6 +126,7 @@ TEST(PrismField, FacesLieOffTheLattice) {
                                          {"at", std::vector<double>{500000, 4000000, 50}},
                                          {"size", std::vector<double>{20, 16, 10}},
                                          {"spacing", spacing},
+                                         {"rounding", 0.0},
                                          {"count", std::int64_t{0}}});
   const auto field = test::carved(coast.site, result);
   for (const double voxel : {spacing, spacing / 2, spacing / 3, spacing / 4})

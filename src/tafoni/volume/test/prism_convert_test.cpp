@@ -182,7 +182,8 @@ TEST(PrismFunction, RangesEncloseAndPrune) {
   Random random(32);
   int pruned = 0, boxes = 0;
   for (int round = 0; round < 12; ++round) {
-    const field::FunctionPtr f = as_function(dug(random, 2 * round), {.reach = 3});
+    const field::FunctionPtr f =
+        as_function(dug(random, 2 * round), {.reach = 3, .rounding = round % 2 ? 0.7 : 0});
     for (int n = 0; n < 300; ++n) {
       const Vec3d lo = random_point(random, {{1, -6, 5}, {20, 16, 18}});
       const Box3d box{lo, lo + random_point(random, {{0, 0, 0}, {2, 2, 2}})};
@@ -205,12 +206,58 @@ TEST(PrismFunction, RangesEncloseAndPrune) {
 TEST(PrismFunction, IsAirFarAway) {
   Random random(34);
   for (int round = 0; round < 5; ++round) {
-    const field::FunctionPtr f = as_function(dug(random, 10 * round), {.reach = 3});
+    const field::FunctionPtr f =
+        as_function(dug(random, 10 * round), {.reach = 3, .rounding = round % 2 ? 0.7 : 0});
     for (const Vec3d way : {Vec3d{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) {
       const Vec3d at = Vec3d{10, 5, 12} + way * 60;
       const Interval range = f->range({at - Vec3d{20, 20, 20}, at + Vec3d{20, 20, 20}});
       EXPECT_LT(range.hi, 0) << way.x << ", " << way.y << ", " << way.z;
     }
+  }
+}
+
+/// Metres from the axis to the wall of a shaft at (10, 10), at elevation 5.
+double wall_at(const field::Function& f, double angle) {
+  double lo = 1, hi = 9;
+  for (int k = 0; k < 30; ++k) {
+    const double r = 0.5 * (lo + hi);
+    const Vec3d p{10 + r * std::cos(angle), 10 + r * std::sin(angle), 5};
+    float v;
+    f.values({&p, 1}, {&v, 1});
+    (v > 0 ? hi : lo) = r;
+  }
+  return lo;
+}
+
+/// The tangent by which walls of round shafts turn away from round, root of the mean square.
+double unevenness(double rounding) {
+  constexpr int n = 400;
+  double sum = 0;
+  for (const double radius : {3.1, 4.4, 5.3}) {
+    PrismFields fields = prism_box({{0, 0, 0}, 0.5, 0.5, 41, 41}, 0, 10);
+    fields.apply(Tool::capsule({10, 10, -5}, {10, 10, 15}, radius), Edit::remove);
+    const field::FunctionPtr f = as_function(fields, {.reach = 3, .rounding = rounding});
+    const double step = 6.283185307 / n;
+    for (int k = 0; k < n; ++k) {
+      const double a = wall_at(*f, k * step), b = wall_at(*f, (k + 1) * step);
+      EXPECT_NEAR(a, radius, 0.5);
+      sum += (b - a) * (b - a) / (a * a * step * step);
+    }
+  }
+  return std::sqrt(sum / (3 * n));
+}
+
+TEST(PrismFunction, RoundingTakesTheStairsOffShafts) {
+  const double stairs = unevenness(0), round = unevenness(0.7);
+  EXPECT_GT(stairs, 0.3);
+  EXPECT_LT(round, 0.6 * stairs);
+  // Planes stay where they are.
+  const field::FunctionPtr f =
+      as_function(prism_box({{0, 0, 0}, 1, 1, 21, 21}, 0, 8), {.reach = 3, .rounding = 0.7});
+  for (const Vec3d p : {Vec3d{10, 10, 8.25}, {10, 10, -0.25}, {-0.25, 10, 4}, {10, 20.25, 4}}) {
+    float v;
+    f->values({&p, 1}, {&v, 1});
+    EXPECT_NEAR(v, -0.25, 1e-6);
   }
 }
 
