@@ -152,9 +152,10 @@ AnswerTable answer(const Question& question, const CollisionGround& ground, cons
   table.columns.insert(table.columns.end(), question.answers.begin(), question.answers.end());
   table.rows.resize(rows.size());
   const double origin[] = {ground.origin.x, ground.origin.y, ground.origin.z};
+  progress.begin(std::string_view(question.flag).substr(2), rows.size(), "questions");
   parallel_blocks(static_cast<std::int64_t>(rows.size()), 256, [&](std::int64_t begin, std::int64_t end) {
     for (auto r = static_cast<std::size_t>(begin); r < static_cast<std::size_t>(end); ++r) {
-      progress.check();
+      progress.advance();
       std::vector<double> local = rows[r];
       for (std::size_t axis = 0; axis < 3; ++axis) local[axis] -= origin[axis];
       Answer found;
@@ -170,6 +171,7 @@ AnswerTable answer(const Question& question, const CollisionGround& ground, cons
       table.rows[r].insert(table.rows[r].end(), found.begin(), found.end());
     }
   });
+  progress.end();
   return table;
 }
 

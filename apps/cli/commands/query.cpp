@@ -51,23 +51,28 @@ void give(const Query& q, const std::string& text, Console& console) {
     write_file(q.output, text);
 }
 
-std::string field_at(const scene::BuiltScene& scene, const std::vector<Vec3d>& world, bool json) {
+std::string field_at(const scene::BuiltScene& scene, const std::vector<Vec3d>& world, bool json,
+                     Progress& progress) {
   const field::CompiledField field = scene.field_for(scene.boundary());
   std::vector<Vec3d> local(world.size());
   std::transform(world.begin(), world.end(), local.begin(),
                  [&](Vec3d p) { return scene.terrain.to_local(p); });
   std::vector<float> values(world.size());
   std::vector<Vec3f> gradients(world.size());
+  progress.begin("points", world.size(), "points");
   parallel_blocks(static_cast<std::int64_t>(world.size()), 4096, [&](std::int64_t begin, std::int64_t end) {
     const auto first = static_cast<std::size_t>(begin), count = static_cast<std::size_t>(end - begin);
     field.gradients(std::span(local).subspan(first, count), std::span(values).subspan(first, count),
                     std::span(gradients).subspan(first, count));
+    progress.advance(count);
   });
+  progress.end();
 
   fmt::memory_buffer out;
   const auto text = [&](std::string_view s) { out.append(s.data(), s.data() + s.size()); };
   text(json ? "[" : "x,y,z,f,gx,gy,gz\n");
   for (std::size_t i = 0; i < world.size(); ++i) {
+    progress.check();
     if (json) text(i == 0 ? "\n  " : ",\n  ");
     append_row(out, json, world[i], values[i], gradients[i]);
   }
@@ -125,7 +130,7 @@ int run(const Query& q, Console& console) {
     if (mesh) fail(ErrorKind::usage, "{}: a mesh has no field; --points needs a scene", q.scene_file);
     const Text table = read_table(q.points);
     const std::vector<Vec3d> points = scene::parse_points_csv(table.text, table.name);
-    give(q, field_at(scene::build(*document, console), points, console.json()), console);
+    give(q, field_at(scene::build(*document, console), points, console.json(), console), console);
     return 0;
   }
   for (std::size_t i = 0; i < q.questions.size(); ++i) {

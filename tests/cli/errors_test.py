@@ -1,0 +1,64 @@
+"""Wrong arguments, inputs and outputs: exit codes, one sentence, no files left behind."""
+
+import os
+import subprocess
+
+from case import TAFONI, Case, run
+
+
+class Errors(Case):
+    def test_wrong_arguments(self):
+        self.hill()
+        self.fails(2, 'unknown command "amplfy"; did you mean amplify?', "amplfy")
+        self.fails(2, "unknown option --voxl; did you mean --voxel?", "build", "hill.asc", "--voxl", "1")
+        self.fails(2, "SCENE is required", "build")
+        self.fails(2, "--voxel must be a number, 0 to 100000 m", "build", "hill.asc", "--voxel", "x", "-o", "a.glb")
+        self.fails(2, "--voxel = -3 is outside 0 to 100000 m", "build", "hill.asc", "--voxel", "-3", "-o", "a.glb")
+        self.fails(2, "--boundary", "build", "hill.asc", "--boundary", "opn", "-o", "a.glb")
+        self.fails(2, 'did you mean "karst"?', "amplify", "hill.asc", "-l", "karts", "-o", "a.glb")
+        self.fails(2, "did you mean", "amplify", "hill.asc", "--geology", "stata", "-o", "a.glb")
+        self.fails(2, 'has no layer or geology "karst"', "amplify", "hill.asc", "--set", "karst.x=1", "-o", "a.glb")
+        self.fails(2, "nothing to write", "amplify", "hill.asc")
+        self.fails(2, "query needs one of --points", "query", "hill.asc")
+        self.fails(2, "did you mean", "list", "landform")
+        self.fails(2, "did you mean", "list", "landforms", "karsts")
+        self.fails(2, "did you mean", "generate", "cost", "-o", "a.tif")
+        self.fails(2, "unknown parameter", "generate", "coast", "-o", "a.tif", "--set", "widht=3")
+        self.fails(2, "must have 6", "render", "hill.asc", "--camera", "-1,2,3", "-o", "a.png")
+        self.assertEqual(self.files(), ["hill.asc"])
+
+    def test_unusable_inputs(self):
+        self.fails(3, "missing.tif", "amplify", "missing.tif", "-o", "a.glb")
+        self.fails(3, "missing.toml: does not exist", "build", "missing.toml", "-o", "a.glb")
+        self.fails(3, "missing.glb", "validate", "missing.glb")
+        (self.dir / "s.toml").write_text("[terrain]\nsource = 'hill.asc'\ninfluence = 99\n")
+        self.fails(3, "s.toml: influence = 99 m is more than three times", "build", "s.toml", "-o", "a.glb")
+        self.hill()
+        self.fails(3, "missing.csv: does not exist", "query", "hill.asc", "--points", "missing.csv")
+        self.fails(3, "x is \"a\", which is not a number", "query", "hill.asc", "--points", "-", stdin="x,y,z\na,1,2\n")
+        (self.dir / "p.toml").write_text("[terrain]\nsource = 'hill.asc'\n[[layer]]\ntype = 'primitives'\nfile = 'p.csv'\n")
+        (self.dir / "p.csv").write_text("kind,x,y,z,radius,energy\npoint,1,2,3,4,5\ncube,1,2,3,4,5\n")
+        self.fails(3, "p.csv:3: kind is \"cube\"; known are", "build", "p.toml", "-o", "a.glb")
+        (self.dir / "p.csv").write_text("kind,x,y,z,radius,energy\npoint,1e8,2,3,4,5\n")
+        self.fails(3, "p.csv:2: ", "build", "p.toml", "-o", "a.glb")
+        self.assertNotIn("a.glb", self.files())
+
+    def test_outputs_are_checked_before_the_work(self):
+        self.hill()
+        self.fails(4, "no/such/folder", "build", "hill.asc", "-o", "no/such/folder/a.glb")
+        self.fails(2, "a.xyz", "build", "hill.asc", "-o", "a.xyz")
+        self.fails(2, "is an input of this command and would be overwritten", "amplify", "hill.asc", "--report", "hill.asc")
+        self.fails(2, "asked for twice", "build", "hill.asc", "-o", "a.glb", "--report", "a.glb")
+        self.fails(2, "must end in .toml", "build", "hill.asc", "--save-scene", "a.txt")
+        if os.geteuid() != 0:
+            locked = self.dir / "locked"
+            locked.mkdir(mode=0o500)
+            self.fails(4, "locked", "build", "hill.asc", "-o", "locked/a.glb")
+
+    def test_a_full_disk_is_one_sentence(self):
+        if not os.path.exists("/dev/full"):
+            self.skipTest("this machine has no /dev/full")
+        with open("/dev/full", "w") as full:
+            done = subprocess.run([TAFONI, "list"], stdout=full, stderr=subprocess.PIPE, text=True)
+        self.assertEqual(done.returncode, 4)
+        self.assertEqual(done.stderr, "tafoni: standard output could not be written; is the disk full?\n")
