@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,30 @@ struct Expected {
   const char* scene;
   int routes;
   bool whole_mesh;  ///< measure the capsule against the mesh of the whole scene, too
-  double field;     ///< metres that the field may be above 0 on the capsule: what the voxel leaves out
+  /// That the field may be above 0 on the capsule: what the voxel leaves out. Infinite where that is as much
+  /// as the field ever is, since passages are as narrow as its falloff.
+  double field;
 };
+
+/// How many of the points are rock in the field and at all corners of their lattice cells. The mesh is air
+/// only in cells with a corner of air, so that none is where it is true to the field but for what its cells
+/// cannot show.
+int deep_in_rock(const field::CompiledField& field, double voxel, const std::vector<Vec3d>& points,
+                 const std::vector<float>& values) {
+  int deep = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!(values[i] > 0)) continue;
+    const Vec3d cell{std::floor(points[i].x / voxel), std::floor(points[i].y / voxel),
+                     std::floor(points[i].z / voxel)};
+    std::vector<Vec3d> corners;
+    for (unsigned c = 0; c < 8; ++c)
+      corners.push_back((cell + Vec3d{c & 1 ? 1.0 : 0.0, c & 2 ? 1.0 : 0.0, c & 4 ? 1.0 : 0.0}) * voxel);
+    std::vector<float> around(corners.size());
+    field.values(corners, around);
+    deep += *std::min_element(around.begin(), around.end()) > 0;
+  }
+  return deep;
+}
 
 class Walks : public ::testing::TestWithParam<Expected> {};
 
@@ -36,6 +59,7 @@ TEST_P(Walks, AreCompletedWithoutEnteringTheRock) {
   const query::FieldCollider ground(field, {.voxel = scene.voxel, .region = settings.region});
   const query::MeshCollider mesh(expected.whole_mesh ? mesh::polygonize(field, settings) : mesh::Mesh{});
   std::atomic<double> worst_value{-1e9}, worst_mesh{0};
+  std::atomic<int> deep{0};
   const auto raise = [](std::atomic<double>& most, double value) {
     for (double seen = most; value > seen && !most.compare_exchange_weak(seen, value);) continue;
   };
@@ -44,6 +68,7 @@ TEST_P(Walks, AreCompletedWithoutEnteringTheRock) {
     std::vector<float> values(points.size());
     field.values(points, values);
     raise(worst_value, static_cast<double>(*std::max_element(values.begin(), values.end())));
+    deep += deep_in_rock(field, scene.voxel, points, values);
     if (!expected.whole_mesh) return 0.0;
     for (Vec3d p : {capsule.a, (capsule.a + capsule.b) * 0.5, capsule.b})
       if (const auto near = mesh.closest(p, capsule.radius))
@@ -65,11 +90,12 @@ TEST_P(Walks, AreCompletedWithoutEnteringTheRock) {
   }
   EXPECT_GT(metres, 7 * expected.routes);
   EXPECT_LT(worst_mesh, 1e-6);
+  EXPECT_EQ(deep, 0);
   EXPECT_LT(worst_value, expected.field);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Walks,
-                         ::testing::Values(Expected{"karst", 340, true, 7.5},
+                         ::testing::Values(Expected{"karst", 340, true, INFINITY},
                                            Expected{"hive", 330, true, 0.3},
                                            Expected{"grammar_cave", 330, true, 0.3}),
                          [](const auto& of) { return std::string(of.param.scene); });
