@@ -68,9 +68,9 @@ void OutputOptions::declare(Args& args) {
   args.number("--band", "M", band, 0, 1e5, "m",
               "Greatest magnitude of a volume's values, so that only what is near the surface takes space; 0 "
               "keeps all; default: four cells");
-  args.number(
-      "--texture", "M", texture, 1e-3, 1e6, "m",
-      "Give OBJ files texture coordinates, projected from the sides of a box; a picture covers M metres");
+  args.number("--texture", "M", texture, 1e-3, 1e6, "m",
+              "Give OBJ and GLB files texture coordinates, projected from the sides of a box; a picture "
+              "covers M metres");
   args.flag("--half", half, "Write volumes in half precision");
   args.flag("--dry-run", dry_run, "Predict triangles, memory and bytes instead of writing");
 }
@@ -150,9 +150,10 @@ void check_outputs(const scene::Document& document, const std::string& scene_fil
   if (files.volumes.empty() && (outputs.band || outputs.half))
     fail(ErrorKind::usage, "--band and --half are for volumes; give -o FILE.tvol or FILE.vdb");
   if (outputs.texture && std::none_of(files.meshes.begin(), files.meshes.end(), [](const std::string& file) {
-        return io::format_of(file, {io::Ability::write_mesh}).name == "obj";
+        return io::format_of(file, {io::Ability::write_mesh}).texture;
       }))
-    fail(ErrorKind::usage, "--texture is for meshes that hold texture coordinates; give -o FILE.obj");
+    fail(ErrorKind::usage,
+         "--texture is for meshes that hold texture coordinates; give -o FILE.glb or FILE.obj");
   if (!outputs.preview.empty()) io::format_of(outputs.preview, io::Ability::write_image);
   const bool tiled = outputs.tiles.value_or(1) > 1;
   if (tiled && !files.volumes.empty())

@@ -36,7 +36,7 @@ struct OutputOptions {
   std::string preview, save_scene, report;
   std::optional<std::int64_t> tiles;
   std::optional<double> band;
-  std::optional<double> texture;  ///< metres; of OBJ files
+  std::optional<double> texture;  ///< metres that a picture covers
   bool half = false;
   bool dry_run = false;
 

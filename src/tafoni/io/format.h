@@ -48,6 +48,7 @@ struct FormatType {
   void (*write_volume)(AtomicFile&, const Volume&, Progress&) = nullptr;
   /// Like read_mesh. Every sample is finite.
   Volume (*read_volume)(std::span<const std::byte> bytes, std::string_view file, Progress&) = nullptr;
+  bool texture = false;  ///< whether meshes keep their texture coordinates
 };
 
 /// Every format, sorted by name; the table is written by CMake from the folder's files: formats/NAME.cpp

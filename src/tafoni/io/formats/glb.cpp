@@ -5,6 +5,7 @@
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/glb_json.h"
 #include "tafoni/io/impl/reading.h"
+#include "tafoni/io/impl/seams.h"
 #include "tafoni/io/impl/writing.h"
 
 namespace tafoni::io {
@@ -22,6 +23,11 @@ constexpr int gl_ubyte = 5121, gl_ushort = 5123, gl_uint = 5125, gl_float = 5126
 /// East, north, up to glTF's x right, y up, z towards the viewer: a rotation, so triangles keep their turn.
 constexpr Vec3f y_up(Vec3f p) {
   return {p.x, p.z, 0.0f - p.y};
+}
+
+/// Pictures begin at their upper edge in glTF.
+constexpr Vec2<float> v_down(Vec2<float> p) {
+  return {p.x, 1.0f - p.y};
 }
 
 Json to_json(const Value& value) {
@@ -48,12 +54,12 @@ class Layout {
   std::uint64_t size_ = 0;
 };
 
-Json position_accessor(const mesh::Mesh& mesh) {
+Json position_accessor(const mesh::Mesh& mesh, std::uint64_t vertices) {
   Box3f box;
   for (const Vec3f p : mesh.positions) box.expand(y_up(p));
   return {{"componentType", gl_float},
           {"type", "VEC3"},
-          {"count", mesh.positions.size()},
+          {"count", vertices},
           {"min", {box.lo.x, box.lo.y, box.lo.z}},
           {"max", {box.hi.x, box.hi.y, box.hi.z}}};
 }
@@ -66,12 +72,11 @@ Json extras_of(const mesh::Mesh& mesh, const MeshMetadata& metadata) {
   return extras;
 }
 
-Json document_of(const mesh::Mesh& mesh, const MeshMetadata& metadata) {
-  const std::uint64_t vertices = mesh.positions.size();
+Json document_of(const mesh::Mesh& mesh, std::uint64_t vertices, const MeshMetadata& metadata) {
   Json json = {{"asset", {{"version", "2.0"}, {"generator", "tafoni"}}}};
   Layout layout(json);
   Json attributes;
-  attributes["POSITION"] = layout.add(vertices * 12, gl_array, position_accessor(mesh));
+  attributes["POSITION"] = layout.add(vertices * 12, gl_array, position_accessor(mesh, vertices));
   if (!mesh.normals.empty())
     attributes["NORMAL"] = layout.add(vertices * 12, gl_array,
                                       {{"componentType", gl_float}, {"type", "VEC3"}, {"count", vertices}});
@@ -79,6 +84,9 @@ Json document_of(const mesh::Mesh& mesh, const MeshMetadata& metadata) {
     attributes["COLOR_0"] = layout.add(
         vertices * 4, gl_array,
         {{"componentType", gl_ubyte}, {"normalized", true}, {"type", "VEC4"}, {"count", vertices}});
+  if (!mesh.texture.empty())
+    attributes["TEXCOORD_0"] = layout.add(
+        vertices * 8, gl_array, {{"componentType", gl_float}, {"type", "VEC2"}, {"count", vertices}});
   const int indices =
       layout.add(mesh.triangles.size() * 12, gl_elements,
                  {{"componentType", gl_uint}, {"type", "SCALAR"}, {"count", mesh.triangles.size() * 3}});
@@ -102,8 +110,12 @@ Json document_of(const mesh::Mesh& mesh, const MeshMetadata& metadata) {
 }
 
 void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata& metadata, Progress& progress) {
-  const std::uint64_t vertices = mesh.positions.size();
-  const Json json = document_of(mesh, metadata);
+  // A vertex has one pair of texture coordinates here, so that those on seams stand there several times.
+  const impl::Seams seams(mesh);
+  const bool textured = !mesh.texture.empty();
+  const std::uint64_t vertices = textured ? seams.pairs.size() : mesh.positions.size();
+  const auto vertex = [&](std::size_t i) { return textured ? seams.vertex[i] : i; };
+  const Json json = document_of(mesh, vertices, metadata);
   std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const std::uint64_t binary = json["buffers"][0]["byteLength"];
@@ -122,14 +134,21 @@ void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata& metadata
   impl::put(header, static_cast<std::uint32_t>(binary));
   impl::put(header, binary_chunk);
   out.write(header);
-  impl::write_items(out, vertices, progress,
-                    [&](std::string& block, std::size_t i) { impl::put(block, y_up(mesh.positions[i])); });
-  impl::write_items(out, mesh.normals.size(), silent(),
-                    [&](std::string& block, std::size_t i) { impl::put(block, y_up(mesh.normals[i])); });
-  impl::write_items(out, mesh.colors.size(), silent(),
-                    [&](std::string& block, std::size_t i) { impl::put(block, mesh.colors[i]); });
-  impl::write_items(out, mesh.triangles.size(), progress,
-                    [&](std::string& block, std::size_t i) { impl::put(block, mesh.triangles[i]); });
+  impl::write_items(out, vertices, progress, [&](std::string& block, std::size_t i) {
+    impl::put(block, y_up(mesh.positions[vertex(i)]));
+  });
+  if (!mesh.normals.empty())
+    impl::write_items(out, vertices, silent(), [&](std::string& block, std::size_t i) {
+      impl::put(block, y_up(mesh.normals[vertex(i)]));
+    });
+  if (!mesh.colors.empty())
+    impl::write_items(out, vertices, silent(),
+                      [&](std::string& block, std::size_t i) { impl::put(block, mesh.colors[vertex(i)]); });
+  impl::write_items(out, seams.pairs.size(), silent(),
+                    [&](std::string& block, std::size_t i) { impl::put(block, v_down(seams.pairs[i])); });
+  impl::write_items(out, mesh.triangles.size(), progress, [&](std::string& block, std::size_t i) {
+    impl::put(block, textured ? seams.corners[i] : mesh.triangles[i]);
+  });
 }
 
 /// Gathers the triangles of every node of the default scene, in world axes.
@@ -161,6 +180,7 @@ class Reader {
     if (mesh_.triangles.empty()) document_.fail_read("it holds no triangles");
     if (!all_normals_) mesh_.normals.clear();
     if (!all_colors_) mesh_.colors.clear();
+    if (all_textured_) impl::join_seams(mesh_, pairs_);
     return std::move(mesh_);
   }
 
@@ -201,6 +221,7 @@ class Reader {
     }
     add_normals(attributes, count, m);
     add_colors(attributes, count);
+    add_texture(attributes, count);
     add_triangles(primitive, base, count);
   }
 
@@ -239,6 +260,17 @@ class Reader {
       }
   }
 
+  void add_texture(const Json& attributes, std::uint64_t count) {
+    all_textured_ &= attributes.contains("TEXCOORD_0");
+    if (!all_textured_) return;
+    const GltfAccessor pairs = document_.accessor(document_.whole(attributes, "TEXCOORD_0", 0));
+    if (pairs.components != 2 || pairs.count != count)
+      document_.fail_read("TEXCOORD_0 does not fit POSITION");
+    for (std::uint64_t i = 0; i < count; ++i)
+      pairs_.push_back(
+          v_down({static_cast<float>(pairs.value(i, 0)), static_cast<float>(pairs.value(i, 1))}));
+  }
+
   void add_triangles(const Json& primitive, std::uint64_t base, std::uint64_t count) {
     const auto corner = [&](std::uint64_t v) {
       if (v >= count) document_.fail_read(fmt::format("an index names vertex {} of {}", v, count));
@@ -268,7 +300,8 @@ class Reader {
   const GltfDocument& document_;
   std::uint64_t budget_;
   mesh::Mesh mesh_;
-  bool all_normals_ = true, all_colors_ = true;
+  std::vector<Vec2<float>> pairs_;  ///< texture coordinates of vertices
+  bool all_normals_ = true, all_colors_ = true, all_textured_ = true;
 };
 
 mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
@@ -300,14 +333,15 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
 const FormatType& format_glb() {
   static const FormatType type{.name = "glb",
                                .doc =
-                                   "glTF 2.0 binary with normals and vertex colours, y up; the world origin "
-                                   "and CRS stand in the node's extras",
+                                   "glTF 2.0 binary with normals, texture coordinates and vertex colours, y "
+                                   "up; the world origin and CRS stand in the node's extras",
                                .source = "Khronos glTF 2.0, ISO/IEC 12113",
                                .extensions = {"glb"},
                                .params = {},
                                .write_mesh = write,
                                .read_mesh = read,
-                               .write_image = nullptr};
+                               .write_image = nullptr,
+                               .texture = true};
   return type;
 }
 

@@ -4,6 +4,7 @@
 
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/reading.h"
+#include "tafoni/io/impl/seams.h"
 #include "tafoni/io/impl/writing.h"
 
 namespace tafoni::io {
@@ -23,31 +24,6 @@ void put_index(std::string& block, std::uint64_t value) {
   char text[24];
   block.append(text, std::to_chars(text, text + sizeof text, value).ptr);
 }
-
-/// The texture coordinates of a mesh, each pair once a vertex, and which of them each corner has.
-struct Texture {
-  std::vector<Vec2<float>> pairs;
-  std::vector<std::array<std::uint32_t, 3>> corners;
-
-  explicit Texture(const mesh::Mesh& mesh) {
-    constexpr std::uint32_t none = 0xffffffff;
-    std::vector<std::uint32_t> first(mesh.texture.empty() ? 0 : mesh.positions.size(), none), next;
-    corners.resize(mesh.texture.size());
-    for (std::size_t t = 0; t < mesh.texture.size(); ++t)
-      for (std::size_t c = 0; c < 3; ++c) {
-        const Vec2<float> pair = mesh.texture[t][c];
-        std::uint32_t at = first[mesh.triangles[t][c]];
-        while (at != none && pairs[at] != pair) at = next[at];
-        if (at == none) {
-          at = static_cast<std::uint32_t>(pairs.size());
-          pairs.push_back(pair);
-          next.push_back(first[mesh.triangles[t][c]]);
-          first[mesh.triangles[t][c]] = at;
-        }
-        corners[t][c] = at;
-      }
-  }
-};
 
 void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata& metadata, Progress& progress) {
   out.write(fmt::format("# tafoni: metres, z up\n{}{}\n", origin_key, impl::origin_text(mesh.origin)));
@@ -71,7 +47,7 @@ void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata& metadata
       for (const float x : {mesh.normals[i].x, mesh.normals[i].y, mesh.normals[i].z}) put_number(block, x);
       block += '\n';
     });
-  const Texture texture(mesh);
+  const impl::Seams texture(mesh);
   const bool textured = !texture.corners.empty();
   impl::write_items(out, texture.pairs.size(), uncounted, [&](std::string& block, std::size_t i) {
     block += "vt";
@@ -211,7 +187,8 @@ const FormatType& format_obj() {
       .params = {},
       .write_mesh = write,
       .read_mesh = read,
-      .write_image = nullptr};
+      .write_image = nullptr,
+      .texture = true};
   return type;
 }
 

@@ -266,22 +266,33 @@ TEST(Glb, KhronosValidatorFindsNothing) {
   EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
-TEST(Obj, KeepsTextureCoordinatesAndSharedVertices) {
-  mesh::Mesh mesh = bumpy_sphere();
-  mesh::box_texture(mesh, 3);
-  for (const bool smooth : {true, false}) {
-    if (!smooth) mesh.normals.clear();
-    const auto path = temporary("textured.obj");
-    write_mesh(path, mesh);
-    const mesh::Mesh back = read_mesh(path);
-    EXPECT_EQ(back.positions, mesh.positions);
-    EXPECT_EQ(back.triangles, mesh.triangles);
-    EXPECT_EQ(back.texture, mesh.texture);
-    EXPECT_EQ(back.normals.empty(), !smooth);
-  }
-  for (const char* name : {"textured.glb", "textured.ply", "textured.stl"}) {
-    write_mesh(temporary(name), mesh);
-    EXPECT_TRUE(read_mesh(temporary(name)).texture.empty()) << name;
+TEST(Formats, KeepTextureCoordinatesAndSharedVertices) {
+  mesh::Mesh full = bumpy_sphere();
+  mesh::box_texture(full, 3);
+  mesh::Mesh bare = full;
+  bare.normals.clear();
+  bare.colors.clear();
+  for (const FormatType* format : all_formats()) {
+    if (!format->write_mesh || !format->read_mesh) continue;
+    for (const mesh::Mesh* mesh : {&full, &bare}) {
+      const auto path = temporary("textured." + format->extensions[0]);
+      write_mesh(path, *mesh);
+      const mesh::Mesh back = read_mesh(path);
+      if (!format->texture) {
+        EXPECT_TRUE(back.texture.empty()) << format->name;
+        continue;
+      }
+      EXPECT_EQ(back.positions, mesh->positions) << format->name;
+      EXPECT_EQ(back.triangles, mesh->triangles) << format->name;
+      EXPECT_EQ(back.normals.size(), mesh->normals.size()) << format->name;
+      EXPECT_EQ(back.colors, mesh->colors) << format->name;
+      ASSERT_EQ(back.texture.size(), mesh->texture.size()) << format->name;
+      for (std::size_t t = 0; t < back.texture.size(); ++t)
+        for (std::size_t c = 0; c < 3; ++c) {
+          ASSERT_EQ(back.texture[t][c].x, mesh->texture[t][c].x) << format->name;
+          ASSERT_NEAR(back.texture[t][c].y, mesh->texture[t][c].y, 1e-6) << format->name;
+        }
+    }
   }
 }
 
