@@ -1,6 +1,9 @@
 #include "tafoni/mesh/texture.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include <gtest/gtest.h>
 
@@ -40,6 +43,53 @@ TEST(Texture, IsNeverMirroredNorStretchedBeyondTheSlant) {
     // corners run round the same way on both.
     EXPECT_NEAR(area, std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}), 1e-3);
     EXPECT_GE(area, length(n) / std::sqrt(3) - 1e-3);
+  }
+}
+
+/// A sphere of 10 m with bumps of 2 cm, whose triangles face this way and that.
+Mesh rough_sphere() {
+  Mesh mesh;
+  Random random(4);
+  constexpr std::uint32_t rings = 90, around = 150;
+  for (std::uint32_t i = 0; i <= rings; ++i)
+    for (std::uint32_t j = 0; j < around; ++j) {
+      const double a = 3.141592653589793 * i / rings, b = 6.283185307179586 * j / around;
+      const Vec3d out{std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)};
+      mesh.positions.push_back(to_float(out * (10 + 0.02 * random.uniform(-1, 1))));
+    }
+  for (std::uint32_t i = 0; i < rings; ++i)
+    for (std::uint32_t j = 0; j < around; ++j) {
+      const std::uint32_t a = i * around + j, b = i * around + (j + 1) % around;
+      if (i > 0) mesh.triangles.push_back({a, a + around, b});
+      if (i + 1 < rings) mesh.triangles.push_back({b, a + around, b + around});
+    }
+  return mesh;
+}
+
+TEST(Texture, HasFewSeamsAndLittleStretch) {
+  Mesh mesh = rough_sphere();
+  box_texture(mesh, 1);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::array<Vec2<float>, 2>> met;
+  std::size_t seams = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint32_t a = mesh.triangles[t][c], b = mesh.triangles[t][(c + 1) % 3];
+      const Vec2<float> at_a = mesh.texture[t][c], at_b = mesh.texture[t][(c + 1) % 3];
+      const auto [other, fresh] = met.try_emplace(std::minmax(a, b), std::array{at_a, at_b});
+      seams += !fresh && (other->second[0] != at_b || other->second[1] != at_a);
+    }
+  // Twelve borders of 25 to 40 edges, ragged by the bumps; more where each triangle decides for itself.
+  EXPECT_LT(seams, 12 * 60 * 2u);
+  EXPECT_GT(seams, 12 * 20u);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& v = mesh.triangles[t];
+    const Vec3d a = to_double(mesh.positions[v[0]]);
+    const double whole =
+        length(cross(to_double(mesh.positions[v[1]]) - a, to_double(mesh.positions[v[2]]) - a));
+    const auto& uv = mesh.texture[t];
+    const double area = static_cast<double>(uv[1].x - uv[0].x) * static_cast<double>(uv[2].y - uv[0].y) -
+                        static_cast<double>(uv[1].y - uv[0].y) * static_cast<double>(uv[2].x - uv[0].x);
+    ASSERT_GE(area, (static_cast<double>(least_facing) - 0.01) * whole);
   }
 }
 
