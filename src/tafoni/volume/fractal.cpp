@@ -108,30 +108,42 @@ Fractal::Fractal(FractalSettings settings, Progress& progress) : settings_(std::
 }
 
 void Fractal::pin(int level, Level& lattice) const {
-  const double spacing = std::ldexp(settings_.spacing, settings_.levels - level);
+  const Vec3i n = lattice.size;
+  const auto value = [&](int x, int y, int z) -> float& {
+    return lattice
+        .values[(static_cast<std::size_t>(z) * static_cast<std::size_t>(n.y) + static_cast<std::size_t>(y)) *
+                    static_cast<std::size_t>(n.x) +
+                static_cast<std::size_t>(x)];
+  };
   const auto clamped = [](double v, int size) {
     return static_cast<int>(std::clamp(std::round(v), 0.0, static_cast<double>(size - 1)));
   };
+  /// The pin's place on a level, in its spacings.
+  const auto place = [&](const Pin& p, int of) {
+    return (p.position - settings_.origin) * std::ldexp(1 / settings_.spacing, of - settings_.levels);
+  };
   for (const Pin& p : settings_.pins) {
-    if (p.level != level) continue;
-    const Vec3d at = (p.position - settings_.origin) * (1 / spacing);
-    const Vec3i n = lattice.size;
+    if (p.level != level || !(p.radius > 0)) continue;
+    const Vec3d at = place(p, level);
     const Vec3i own{clamped(at.x, n.x), clamped(at.y, n.y), clamped(at.z, n.z)};
-    const double r = p.radius / spacing;
+    const double r = std::ldexp(p.radius / settings_.spacing, level - settings_.levels);
     for (int z = clamped(own.z - r, n.z); z <= clamped(own.z + r, n.z); ++z)
       for (int y = clamped(own.y - r, n.y); y <= clamped(own.y + r, n.y); ++y)
         for (int x = clamped(own.x - r, n.x); x <= clamped(own.x + r, n.x); ++x) {
           const double dx = x - own.x, dy = y - own.y, dz = z - own.z;
-          const double far = r > 0 ? (dx * dx + dy * dy + dz * dz) / (r * r) : 0;
-          if (far >= 1 && far > 0) continue;
-          const double draw = (1 - far) * (1 - far);
-          float& v = lattice.values[(static_cast<std::size_t>(z) * static_cast<std::size_t>(n.y) +
-                                     static_cast<std::size_t>(y)) *
-                                        static_cast<std::size_t>(n.x) +
-                                    static_cast<std::size_t>(x)];
-          const double was = static_cast<double>(v);
-          v = far > 0 ? static_cast<float>(was + draw * (p.value - was)) : static_cast<float>(p.value);
+          const double left = 1 - (dx * dx + dy * dy + dz * dz) / (r * r);
+          if (left <= 0) continue;
+          const double was = static_cast<double>(value(x, y, z));
+          value(x, y, z) = static_cast<float>(was + left * left * (p.value - was));
         }
+  }
+  // Where one pin draws at another's sample, that stays.
+  for (const Pin& p : settings_.pins) {
+    if (p.level > level) continue;
+    const Vec3d at = place(p, p.level);
+    const int finer = level - p.level;
+    const auto own = [&](double v, int size) { return clamped(v, ((size - 1) >> finer) + 1) << finer; };
+    value(own(at.x, n.x), own(at.y, n.y), own(at.z, n.z)) = static_cast<float>(p.value);
   }
 }
 

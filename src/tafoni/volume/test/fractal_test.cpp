@@ -290,6 +290,17 @@ TEST(Fractal, MeetsItsPins) {
   EXPECT_EQ(grid.value(far), without.value(far));
 }
 
+// A pin's value holds where others draw, at its level and at later ones.
+TEST(Fractal, PinsBesideEachOtherAreAllMet) {
+  FractalSettings s = rough({2, 2, 1}, 6, 0.5);
+  const Vec3d hill{40, 72, 48}, near{48, 72, 48}, fine{42, 72, 48};
+  s.pins = {{hill, 0.8, 30, 3}, {near, -0.9, 30, 3}, {fine, 0.1, 10, 5}};
+  const ScalarGrid grid = Fractal(s).grid();
+  EXPECT_EQ(grid.value(hill), 0.8f);
+  EXPECT_EQ(grid.value(near), -0.9f);
+  EXPECT_EQ(grid.value(fine), 0.1f);
+}
+
 TEST(Fractal, ALimitSavesMemoryAndChangesNothingElse) {
   FractalSettings s = rough({4, 4, 2}, 6, 0.1);
   const ScalarGrid free = Fractal(s).grid();
