@@ -8,6 +8,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/geology/geology.h"
 #include "tafoni/landforms/impl/ground.h"
+#include "tafoni/landforms/impl/replaced.h"
 #include "tafoni/landforms/impl/tool_rows.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/volume/prism_convert.h"
@@ -71,40 +72,6 @@ const ParamTable<Params>& table() {
   }();
   return params;
 }
-
-/// The prism-field where control is 1, what was there before where it is 0, between them the one shades into
-/// the other.
-class Replaced final : public field::Function {
- public:
-  Replaced(const field::NodePtr& before, field::FunctionPtr now, field::FunctionPtr control)
-      : before_(field::compile(before)), now_(std::move(now)), control_(std::move(control)) {}
-
-  void values(std::span<const Vec3d> points, std::span<float> out) const override {
-    std::vector<float> share(points.size()), now(points.size());
-    control_->values(points, share);
-    if (std::any_of(share.begin(), share.end(), [](float s) { return s < 1; })) before_.values(points, out);
-    now_->values(points, now);
-    for (std::size_t n = 0; n < points.size(); ++n) {
-      if (share[n] >= 1)
-        out[n] = now[n];
-      else if (share[n] > 0)
-        out[n] = out[n] * (1 - share[n]) + now[n] * share[n];
-    }
-  }
-  double step() const override { return now_->step(); }
-  Interval range(const Box3d& box) const override {
-    const Interval share = control_->range(box);
-    if (share.hi <= 0) return before_.interval(box);
-    const Interval now = now_->range(box);
-    if (share.lo >= 1) return now;
-    const Interval before = before_.interval(box);
-    return {std::min(before.lo, now.lo), std::max(before.hi, now.hi)};
-  }
-
- private:
-  field::CompiledField before_;
-  field::FunctionPtr now_, control_;
-};
 
 double volume_of(const PrismFields& fields) {
   const volume::ColumnFrame& frame = fields.frame();
@@ -338,7 +305,8 @@ class Digging {
       result.reshaped.lo.z = limit.lo.z, result.reshaped.hi.z = limit.hi.z;
     }
     result.reshape = [leaf, control, wear = wear(control)](field::NodePtr tree) {
-      return wear(field::function(std::make_shared<Replaced>(tree, leaf, control)));
+      constexpr float any = std::numeric_limits<float>::max();
+      return wear(field::function(impl::replaced(field::as_function(tree, -any, any), leaf, control)));
     };
     return result;
   }

@@ -6,6 +6,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/landforms/impl/replaced.h"
 #include "tafoni/raster/resample.h"
 
 namespace tafoni::landforms::impl {
@@ -32,44 +33,6 @@ class VolumeLeaf final : public field::Function {
  private:
   ScalarGrid grid_;
   float most_;
-};
-
-/// The old tree where the control is 0, the volume where it is 1.
-class Patch final : public field::Function {
- public:
-  Patch(field::FunctionPtr old, field::FunctionPtr volume, field::FunctionPtr control)
-      : old_(std::move(old)), volume_(std::move(volume)), control_(std::move(control)) {}
-
-  void values(std::span<const Vec3d> points, std::span<float> out) const override {
-    std::vector<float> weights(points.size());
-    control_->values(points, weights);
-    std::vector<Vec3d> outside, inside;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (weights[i] < 1) outside.push_back(points[i]);
-      if (weights[i] > 0) inside.push_back(points[i]);
-    }
-    std::vector<float> before(outside.size()), after(inside.size());
-    if (!outside.empty()) old_->values(outside, before);
-    if (!inside.empty()) volume_->values(inside, after);
-    std::size_t o = 0, n = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const float w = weights[i];
-      const float a = w < 1 ? before[o++] : 0.0f, b = w > 0 ? after[n++] : 0.0f;
-      out[i] = w <= 0 ? a : w >= 1 ? b : a + w * (b - a);
-    }
-  }
-  double step() const override { return volume_->step(); }
-  Interval range(const Box3d& box) const override {
-    const Interval w = control_->range(box);
-    if (w.hi <= 0) return old_->range(box);
-    const Interval b = volume_->range(box);
-    if (w.lo >= 1) return b;
-    const Interval a = old_->range(box);
-    return {std::min(a.lo, b.lo), std::max(a.hi, b.hi)};
-  }
-
- private:
-  field::FunctionPtr old_, volume_, control_;
 };
 
 /// The lattice, and what fills it.
@@ -271,7 +234,7 @@ FractalGround fractal_ground(const Ground& ground, const FractalGroundSettings& 
   out.result.reshape = [volume = out.volume, control,
                         t = static_cast<float>(site.amplitude)](field::NodePtr tree) {
     if (!control) return field::function(volume);
-    return field::function(std::make_shared<Patch>(field::as_function(tree, -t, t), volume, control));
+    return field::function(replaced(field::as_function(tree, -t, t), volume, control));
   };
   return out;
 }
