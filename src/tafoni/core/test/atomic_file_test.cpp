@@ -6,9 +6,9 @@
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/test/test_folder.h"
 
 namespace tafoni {
 namespace {
@@ -17,12 +17,6 @@ namespace fs = std::filesystem;
 
 class AtomicFileTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("tafoni_atomic_" + std::to_string(::getpid()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   static std::string content(const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
     std::ostringstream text;
@@ -43,7 +37,8 @@ class AtomicFileTest : public testing::Test {
     }
     return "";
   }
-  fs::path folder_;
+  const TestFolder test_folder_;
+  const fs::path folder_ = test_folder_.path;
 };
 
 TEST_F(AtomicFileTest, AppearsOnCommitOnly) {

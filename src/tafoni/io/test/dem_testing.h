@@ -8,9 +8,9 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/test/test_folder.h"
 #include "tafoni/io/dem.h"
 
 namespace tafoni::io {
@@ -21,13 +21,8 @@ inline const fs::path data = fs::path(TAFONI_SOURCE_DIR) / ".." / "shared" / "da
 #define NEEDS_DATA() \
   if (!fs::exists(data)) GTEST_SKIP() << "needs the elevation models of ../shared/data/dem"
 
-struct TemporaryFolder {
-  fs::path path = fs::temp_directory_path() / fmt::format("tafoni_dem_{}", ::getpid());
-  TemporaryFolder() { fs::create_directories(path); }
-  ~TemporaryFolder() { fs::remove_all(path); }
-};
 inline fs::path temporary(const std::string& name) {
-  static const TemporaryFolder folder;
+  static const TestFolder folder;
   return folder.path / name;
 }
 inline fs::path written(const std::string& name, const std::string& content) {

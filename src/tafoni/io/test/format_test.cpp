@@ -14,6 +14,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/test_folder.h"
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/mesh/texture.h"
 
@@ -22,16 +23,8 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A folder that goes when the tests end.
-struct TemporaryFolder {
-  std::filesystem::path path =
-      std::filesystem::temp_directory_path() / fmt::format("tafoni_format_{}", ::getpid());
-  TemporaryFolder() { std::filesystem::create_directories(path); }
-  ~TemporaryFolder() { std::filesystem::remove_all(path); }
-};
-
 std::filesystem::path temporary(const std::string& name) {
-  static const TemporaryFolder folder;
+  static const TestFolder folder;
   return folder.path / name;
 }
 

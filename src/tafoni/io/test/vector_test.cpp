@@ -4,9 +4,9 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/test/test_folder.h"
 
 namespace tafoni::io {
 namespace {
@@ -15,11 +15,9 @@ namespace fs = std::filesystem;
 
 class ReadPolygons : public testing::Test {
  protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
   fs::path written(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
-    return folder_ / name;
+    std::ofstream(folder_.path / name) << text;
+    return folder_.path / name;
   }
   static std::string feature(const std::string& type, const std::string& coordinates,
                              const std::string& crs = "") {
@@ -39,7 +37,7 @@ class ReadPolygons : public testing::Test {
     ADD_FAILURE() << "nothing was thrown";
     return "";
   }
-  fs::path folder_ = fs::temp_directory_path() / ("tafoni_vector_" + std::to_string(::getpid()));
+  const TestFolder folder_;
 };
 
 TEST_F(ReadPolygons, KeepsRingsAndHoles) {
@@ -76,7 +74,7 @@ TEST_F(ReadPolygons, TakesMetresForMetres) {
 }
 
 TEST_F(ReadPolygons, RefusesInOneSentence) {
-  EXPECT_THAT(error(folder_ / "none.geojson", ""), testing::HasSubstr("no such file"));
+  EXPECT_THAT(error(folder_.path / "none.geojson", ""), testing::HasSubstr("no such file"));
   EXPECT_THAT(error(written("d.geojson", ""), ""), testing::HasSubstr("is empty"));
   EXPECT_THAT(error(written("e.geojson", "{\"type\":\"Feat"), ""), testing::HasSubstr("e.geojson"));
   EXPECT_THAT(error(written("f.geojson", feature("Point", "[1,2]")), ""), testing::HasSubstr("no polygons"));

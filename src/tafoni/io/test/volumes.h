@@ -9,9 +9,9 @@
 #include <string>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/test_folder.h"
 #include "tafoni/io/format.h"
 
 namespace tafoni::io {
@@ -38,15 +38,7 @@ inline Volume hollow_ball(volume::Precision precision, Vec3i size = {101, 97, 70
 /// A folder of this test's own, removed at the end.
 class VolumeFiles : public testing::Test {
  protected:
-  VolumeFiles()
-      : folder_(std::filesystem::temp_directory_path() /
-                (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + "." +
-                 std::to_string(::getpid()))) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~VolumeFiles() override { std::filesystem::remove_all(folder_); }
-
-  std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+  std::filesystem::path path(const std::string& name) const { return folder_.path / name; }
   std::string bytes(const std::string& name) const {
     std::ifstream in(path(name), std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
@@ -57,7 +49,7 @@ class VolumeFiles : public testing::Test {
   }
 
  private:
-  std::filesystem::path folder_;
+  const TestFolder folder_;
 };
 
 inline void expect_same(const Volume& a, const Volume& b) {

@@ -10,6 +10,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/core/test/test_folder.h"
 #include "tafoni/io/format.h"
 #include "tafoni/runtime/test/operations.h"
 #include "tafoni/runtime/test/rocks.h"
@@ -325,8 +326,8 @@ TEST(DestructibleTerrain, RewindsAfterEditsThatWereNotMade) {
 }
 
 TEST(DestructibleTerrain, OpensScenesAndVolumes) {
-  const fs::path root = fs::path(testing::TempDir()) / ("tafoni_terrain_" + std::to_string(::getpid()));
-  fs::create_directories(root);
+  const TestFolder folder;
+  const fs::path& root = folder.path;
   std::ofstream(root / "a.toml") << R"(
     scene = { voxel = 2.0 }
     terrain = { generator = "coast", width = 120, height = 100 }
@@ -358,7 +359,6 @@ TEST(DestructibleTerrain, OpensScenesAndVolumes) {
   }
   settings.voxel = -1;
   EXPECT_THROW(DestructibleTerrain::open(root / "a.toml", settings), Error);
-  fs::remove_all(root);
 }
 
 }  // namespace

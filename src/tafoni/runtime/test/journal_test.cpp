@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/test/test_folder.h"
 #include "tafoni/runtime/test/operations.h"
 
 namespace tafoni::runtime {
@@ -23,14 +24,6 @@ constexpr Digest base = 0x123456789abcdef0;
 
 class EditJournal : public ::testing::Test {
  protected:
-  void SetUp() override {
-    root = fs::path(::testing::TempDir()) / ("tafoni_edits_" + std::to_string(::getpid()));
-    fs::remove_all(root);
-    fs::create_directories(root);
-    file = root / "a.edits";
-  }
-  void TearDown() override { fs::remove_all(root); }
-
   std::string bytes() const {
     std::ifstream in(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
@@ -47,7 +40,9 @@ class EditJournal : public ::testing::Test {
   static JournalContents parse(const std::string& all) {
     return parse_journal(std::as_bytes(std::span(all)), "a.edits");
   }
-  fs::path root, file;
+  const TestFolder folder;
+  const fs::path root = folder.path;
+  fs::path file = root / "a.edits";
 };
 
 TEST_F(EditJournal, GivesBackWhatWasAppended) {

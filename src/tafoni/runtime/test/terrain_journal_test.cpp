@@ -7,9 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/test/test_folder.h"
 #include "tafoni/runtime/destructible_terrain.h"
 #include "tafoni/runtime/test/operations.h"
 #include "tafoni/runtime/test/rocks.h"
@@ -23,14 +23,6 @@ using testing::HasSubstr;
 
 class TerrainJournal : public ::testing::Test {
  protected:
-  void SetUp() override {
-    root = fs::path(::testing::TempDir()) / ("tafoni_dug_" + std::to_string(::getpid()));
-    fs::remove_all(root);
-    fs::create_directories(root);
-    file = root / "a.edits";
-  }
-  void TearDown() override { fs::remove_all(root); }
-
   template <class F>
   static std::string failure(F&& f) {
     try {
@@ -40,7 +32,9 @@ class TerrainJournal : public ::testing::Test {
     }
     return "no error";
   }
-  fs::path root, file;
+  const TestFolder folder;
+  const fs::path root = folder.path;
+  fs::path file = root / "a.edits";
 };
 
 void expect_same(const DestructibleTerrain& a, const DestructibleTerrain& b) {

@@ -5,11 +5,11 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/test_folder.h"
 #include "tafoni/field/primitive.h"
 #include "tafoni/mesh/validate.h"
 #include "tafoni/scene/mesh_scene.h"
@@ -23,13 +23,6 @@ using ::testing::HasSubstr;
 /// A folder of scene files that is removed afterwards.
 class BuildScene : public ::testing::Test {
  protected:
-  void SetUp() override {
-    root = fs::path(::testing::TempDir()) / ("tafoni_build_" + std::to_string(::getpid()));
-    fs::remove_all(root);
-    fs::create_directories(root);
-  }
-  void TearDown() override { fs::remove_all(root); }
-
   void write(const std::string& name, const std::string& text) { std::ofstream(root / name) << text; }
   Document scene(const std::string& layers) {
     return parse_scene(
@@ -46,7 +39,8 @@ class BuildScene : public ::testing::Test {
     }
     return "no error";
   }
-  fs::path root;
+  const TestFolder folder;
+  const fs::path root = folder.path;
 };
 
 bool same_mesh(const mesh::Mesh& a, const mesh::Mesh& b) {

@@ -13,6 +13,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/test_folder.h"
 
 namespace tafoni::scene {
 namespace {
@@ -35,14 +36,6 @@ std::vector<int> numbers(const Journal& journal) {
 
 class JournalFile : public ::testing::Test {
  protected:
-  void SetUp() override {
-    root = fs::path(::testing::TempDir()) / ("tafoni_journal_" + std::to_string(::getpid()));
-    fs::remove_all(root);
-    fs::create_directories(root);
-    file = root / "a.journal";
-  }
-  void TearDown() override { fs::remove_all(root); }
-
   template <class F>
   static std::string failure(F&& f) {
     try {
@@ -52,7 +45,9 @@ class JournalFile : public ::testing::Test {
     }
     return "no error";
   }
-  fs::path root, file;
+  const TestFolder folder;
+  const fs::path root = folder.path;
+  const fs::path file = root / "a.journal";
 };
 
 TEST_F(JournalFile, UndoAndRedoSurviveARestart) {

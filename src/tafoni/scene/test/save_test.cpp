@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "tafoni/core/test/test_folder.h"
 #include "tafoni/scene/test/documents.h"
 
 namespace tafoni::scene {
@@ -153,7 +154,8 @@ TEST(Tables, AreReadAndWritten) {
 
 TEST(SaveScene, PathsFollowTheFile) {
   namespace fs = std::filesystem;
-  const fs::path root = fs::path(::testing::TempDir()) / "tafoni_save_scene";
+  const TestFolder folder;
+  const fs::path& root = folder.path;
   fs::create_directories(root / "a");
   fs::create_directories(root / "b" / "c");
   Document d = parse_scene(full, root / "a" / "s.toml");
@@ -164,7 +166,6 @@ TEST(SaveScene, PathsFollowTheFile) {
   EXPECT_EQ(e.resolved(e.layers[1].settings.region), d.resolved(d.layers[1].settings.region));
   EXPECT_EQ(e.resolved(std::get<std::string>(e.layers[2].values.at("file"))), root / "a" / "spheres.csv");
   EXPECT_THAT(e.text, HasSubstr("# Storm waves."));
-  fs::remove_all(root);
 }
 
 }  // namespace

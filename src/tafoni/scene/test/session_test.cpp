@@ -4,10 +4,10 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/test_folder.h"
 #include "tafoni/scene/csv.h"
 #include "tafoni/scene/impl/sculpt.h"
 
@@ -25,13 +25,6 @@ constexpr std::string_view ground =
 
 class SessionScene : public ::testing::Test {
  protected:
-  void SetUp() override {
-    root = fs::path(::testing::TempDir()) / ("tafoni_session_" + std::to_string(::getpid()));
-    fs::remove_all(root);
-    fs::create_directories(root);
-  }
-  void TearDown() override { fs::remove_all(root); }
-
   fs::path write(const std::string& name, std::string_view text) {
     std::ofstream(root / name) << text;
     return root / name;
@@ -45,7 +38,8 @@ class SessionScene : public ::testing::Test {
     }
     return "no error";
   }
-  fs::path root;
+  const TestFolder folder;
+  const fs::path root = folder.path;
 };
 
 bool same_mesh(const mesh::Mesh& a, const mesh::Mesh& b) {

@@ -13,6 +13,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/test_folder.h"
 #include "tafoni/field/test/lattice.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
@@ -36,9 +37,6 @@ constexpr std::string_view caves = "[[layer]]\ntype = \"primitives\"\nfile = \"c
 class VolumeScene : public ::testing::Test {
  protected:
   void SetUp() override {
-    root = fs::path(::testing::TempDir()) / ("tafoni_volume_" + std::to_string(::getpid()));
-    fs::remove_all(root);
-    fs::create_directories(root);
     std::ofstream csv(root / "caves.csv");
     csv << "kind,x,y,z,energy,radius\n";
     Random random(3);
@@ -47,7 +45,6 @@ class VolumeScene : public ::testing::Test {
           << random.uniform(265, 300) << "," << random.uniform(-14, -4) << "," << random.uniform(4, 11)
           << "\n";
   }
-  void TearDown() override { fs::remove_all(root); }
 
   Document document(std::string_view layers) const {
     return parse_scene(std::string(ground) + std::string(layers), root / "s.toml");
@@ -77,7 +74,8 @@ class VolumeScene : public ::testing::Test {
     }
     return "no error";
   }
-  fs::path root;
+  const TestFolder folder;
+  const fs::path root = folder.path;
 };
 
 struct Apart {
