@@ -7,12 +7,11 @@
 // THREADS (1 unless given) are this program's; VTK gets one chunk after the other on as many.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -148,6 +147,101 @@ struct Flying {
 };
 #endif
 
+/// This program's mesher, after every dab.
+class Case {
+ public:
+  Case(const std::string& name, volume::Precision precision, bool polygons)
+      : grid_(ground(precision)),
+        mesher_({mesh::Boundary::open, polygons}),
+        edit_{"edit" + name},
+        both_{"edit and mesh" + name} {
+    const double start = seconds();
+    mesher_.update(grid_, {});
+    std::fprintf(stderr, "first mesh%s: %.3f s\n", name.c_str(), seconds() - start);
+  }
+
+  std::vector<mesh::GridMesher::Change> dab(const volume::Tool& tool, volume::Edit edit) {
+    const double start = seconds();
+    const volume::SampleBox box = volume::apply(grid_, tool, edit, amplitude);
+    const double edited = seconds();
+    auto changes = mesher_.update(grid_, {&box, 1});
+    both_.times.push_back(seconds() - start);
+    edit_.times.push_back(edited - start);
+    for (const auto& change : changes) {
+      const auto m = mesher_.chunk(change.chunk);
+      both_.triangles += m->triangles.size();
+      both_.hash = hash_of(*m, both_.hash);
+    }
+    return changes;
+  }
+  void print_rows() {
+    print(edit_);
+    print(both_);
+  }
+  const volume::ScalarGrid& grid() const { return grid_; }
+  mesh::Mesh assemble() const { return mesher_.assemble(); }
+
+ private:
+  volume::ScalarGrid grid_;
+  mesh::GridMesher mesher_;
+  Row edit_, both_;
+};
+
+/// The same chunks whole, by this program and by VTK.
+class WholeChunks {
+ public:
+  void mesh(const std::vector<Samples>& all) {
+    double start = seconds(), hashing = 0;
+    for (const Samples& s : all) {
+      mesh::polygonize_grid({s.values.data(), s.n.x, s.n.y, s.n.z, 1.0}, true, dense_);
+      const double made = seconds();
+      own_.triangles += dense_.triangles.size();
+      own_.hash = hash_of(dense_, own_.hash);
+      hashing += seconds() - made;
+    }
+    own_.times.push_back(seconds() - start - hashing);
+  }
+#if defined(TAFONI_BENCH_VTK)
+  void mesh_by_vtk(std::vector<Samples>& all) {
+    for (std::size_t i = 0; i < all.size(); ++i) flying_.prepare(i, all[i]);
+    const double start = seconds();
+    for (std::size_t i = 0; i < all.size(); ++i) vtk_.triangles += flying_.run(i);
+    vtk_.times.push_back(seconds() - start);
+  }
+#else
+  void mesh_by_vtk(std::vector<Samples>&) {}
+#endif
+  void print_rows() {
+    print(own_);
+    if (!vtk_.times.empty()) print(vtk_);
+  }
+
+ private:
+  Row own_{"whole chunks, by polygonize_grid"}, vtk_{"whole chunks, by vtkFlyingEdges3D"};
+  mesh::Mesh dense_;
+#if defined(TAFONI_BENCH_VTK)
+  Flying flying_;
+#endif
+};
+
+/// Dabs along the ground, each near the one before it in its stroke.
+class Strokes {
+ public:
+  volume::Tool next() {
+    const bool first = count_++ % stroke == 0;
+    x_ = first ? random_.uniform(20, size.x - 20)
+               : std::clamp(x_ + random_.uniform(-6, 6), 20.0, size.x - 20.0);
+    y_ = first ? random_.uniform(20, size.y - 20)
+               : std::clamp(y_ + random_.uniform(-6, 6), 20.0, size.y - 20.0);
+    return volume::Tool::sphere({x_, y_, height(x_, y_) - random_.uniform(-4, 4)}, radius);
+  }
+
+ private:
+  Random random_{1};
+  int count_ = 0;
+  double x_ = 0, y_ = 0;
+};
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -156,77 +250,28 @@ int main(int argc, char** argv) {
   setenv("VTK_SMP_MAX_THREADS", std::to_string(threads).c_str(), 1);
   set_thread_count(threads);
   by_wall = threads > 1;
-  struct Case {
-    volume::ScalarGrid grid;
-    mesh::GridMesher mesher;
-    Row edit, both;
-  };
-  std::vector<std::unique_ptr<Case>> cases;
-  const auto add = [&](const std::string& name, volume::Precision precision, bool polygons) {
-    cases.push_back(std::unique_ptr<Case>(new Case{ground(precision),
-                                                   mesh::GridMesher({mesh::Boundary::open, polygons}),
-                                                   {"edit" + name},
-                                                   {"edit and mesh" + name}}));
-    const double start = seconds();
-    cases.back()->mesher.update(cases.back()->grid, {});
-    std::fprintf(stderr, "first mesh%s: %.3f s\n", name.c_str(), seconds() - start);
-  };
-  add("", volume::Precision::single, false);
-  add(", half precision", volume::Precision::half, false);
-  add(", convex polygons too", volume::Precision::single, true);
-  Row chunks{"whole chunks, by polygonize_grid"}, vtk{"whole chunks, by vtkFlyingEdges3D"};
-  mesh::Mesh dense;
-#if defined(TAFONI_BENCH_VTK)
-  Flying flying;
-#endif
-  Random random(1);
+  std::array cases{Case("", volume::Precision::single, false),
+                   Case(", half precision", volume::Precision::half, false),
+                   Case(", convex polygons too", volume::Precision::single, true)};
+  WholeChunks chunks;
+  Strokes strokes;
   std::uint64_t touched = 0;
-  double x = 0, y = 0;
   for (int dab = 0; dab < dabs; ++dab) {
-    const bool first = dab % stroke == 0;
-    x = first ? random.uniform(20, size.x - 20) : std::clamp(x + random.uniform(-6, 6), 20.0, size.x - 20.0);
-    y = first ? random.uniform(20, size.y - 20) : std::clamp(y + random.uniform(-6, 6), 20.0, size.y - 20.0);
-    const auto tool = volume::Tool::sphere({x, y, height(x, y) - random.uniform(-4, 4)}, radius);
-    const auto what = dab % 2 ? volume::Edit::add : volume::Edit::remove;
-    std::vector<mesh::GridMesher::Change> changes;
-    for (const auto& c : cases) {
-      const double start = seconds();
-      const volume::SampleBox box = volume::apply(c->grid, tool, what, amplitude);
-      const double edited = seconds();
-      const auto now = c->mesher.update(c->grid, {&box, 1});
-      c->both.times.push_back(seconds() - start);
-      c->edit.times.push_back(edited - start);
-      if (c == cases.front()) changes = now;
-      for (const auto& change : now) {
-        const auto m = c->mesher.chunk(change.chunk);
-        c->both.triangles += m->triangles.size();
-        c->both.hash = hash_of(*m, c->both.hash);
-      }
-    }
-    touched += changes.size();
+    const volume::Tool tool = strokes.next();
     std::vector<Samples> samples;
-    for (const auto& change : changes) samples.push_back(samples_of(cases.front()->grid, change.chunk));
-    double start = seconds(), hashing = 0;
-    for (const Samples& s : samples) {
-      mesh::polygonize_grid({s.values.data(), s.n.x, s.n.y, s.n.z, 1.0}, true, dense);
-      const double made = seconds();
-      chunks.triangles += dense.triangles.size();
-      chunks.hash = hash_of(dense, chunks.hash);
-      hashing += seconds() - made;
+    for (Case& c : cases) {
+      const auto changes = c.dab(tool, dab % 2 ? volume::Edit::add : volume::Edit::remove);
+      if (&c != &cases.front()) continue;
+      for (const auto& change : changes) samples.push_back(samples_of(c.grid(), change.chunk));
     }
-    chunks.times.push_back(seconds() - start - hashing);
-#if defined(TAFONI_BENCH_VTK)
-    for (std::size_t i = 0; i < samples.size(); ++i) flying.prepare(i, samples[i]);
-    start = seconds();
-    for (std::size_t i = 0; i < samples.size(); ++i) vtk.triangles += flying.run(i);
-    vtk.times.push_back(seconds() - start);
-#endif
+    touched += samples.size();
+    chunks.mesh(samples);
+    chunks.mesh_by_vtk(samples);
   }
   std::puts("what,best_ms,median_ms,mean_ms,triangles,result_hash");
-  for (const auto& c : cases) print(c->edit), print(c->both);
-  print(chunks);
-  if (!vtk.times.empty()) print(vtk);
-  const mesh::MeshReport report = mesh::validate(cases.front()->mesher.assemble());
+  for (Case& c : cases) c.print_rows();
+  chunks.print_rows();
+  const mesh::MeshReport report = mesh::validate(cases.front().assemble());
   std::fprintf(stderr, "%.2f chunks a dab; of %llu triangles in all; the mesh is %s\n",
                static_cast<double>(touched) / dabs, static_cast<unsigned long long>(report.triangles),
                report.valid() ? "valid" : "NOT VALID");
