@@ -270,6 +270,29 @@ TEST(PrismMesh, IsTheZeroSetOfTheLeaf) {
   EXPECT_LT(static_cast<double>(off), 0.01 * static_cast<double>(triangles));
 }
 
+// Sheets hold as long as they are thicker than spacing * sin(slope), and no longer.
+TEST(PrismMesh, SteepSheetsHoldDownToTheirDrop) {
+  const ColumnFrame frame{{}, 0.5, 0.5, 20, 10};
+  for (const float drop : {0.2f, 1.0f, 3.0f})
+    for (const float share : {0.9f, 1.1f}) {
+      PrismFields fields(frame);
+      for (int j = 0; j < frame.ny; ++j)
+        for (int i = 0; i < frame.nx; ++i) {
+          const float bottom = drop * static_cast<float>(i);
+          const Matter sheet{bottom, bottom + share * drop};
+          fields.set_column(i, j, {&sheet, 1});
+        }
+      const Mesh mesh = polygonize(fields);
+      if (share < 1) {
+        EXPECT_TRUE(mesh.triangles.empty()) << drop;
+        continue;
+      }
+      expect_sound(mesh, "sheet");
+      EXPECT_EQ(metrics(mesh).components, 1u);
+      EXPECT_NEAR(metrics(mesh).volume, 9.5 * 4.5 * static_cast<double>(share * drop), 1e-3) << drop;
+    }
+}
+
 TEST(PrismMesh, ColoursByKindOfSurface) {
   PrismMeshSettings settings;
   settings.colors = {{{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}}};
