@@ -8,6 +8,7 @@
 #include "tafoni/landforms/impl/fractal_ground.h"
 #include "tafoni/landforms/impl/hollow.h"
 #include "tafoni/landforms/landform.h"
+#include "tafoni/math/angle.h"
 
 namespace tafoni::landforms {
 namespace {
@@ -15,8 +16,6 @@ namespace {
 using impl::Burrows;
 using impl::Ground;
 using impl::WayEnd;
-
-constexpr double degree = 3.14159265358979323846 / 180;
 
 struct Params : impl::HollowParams {
   double size = 220;

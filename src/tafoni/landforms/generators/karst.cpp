@@ -9,14 +9,13 @@
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/spatial_hash.h"
 #include "tafoni/landforms/surface.h"
+#include "tafoni/math/angle.h"
 #include "tafoni/terrain/analysis.h"
 
 namespace tafoni::landforms {
 namespace {
 
 using impl::Ground;
-
-constexpr double degree = 3.14159265358979323846 / 180;
 
 struct Params {
   double radius = 0;

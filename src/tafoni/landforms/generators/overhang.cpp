@@ -6,12 +6,11 @@
 #include "tafoni/landforms/impl/ground.h"
 #include "tafoni/landforms/impl/steepest.h"
 #include "tafoni/landforms/landform.h"
+#include "tafoni/math/angle.h"
 #include "tafoni/terrain/analysis.h"
 
 namespace tafoni::landforms {
 namespace {
-
-constexpr double degree = 3.14159265358979323846 / 180;
 
 struct Params {
   double amplitude = 0;

@@ -8,6 +8,7 @@
 #include "tafoni/landforms/impl/control.h"
 #include "tafoni/landforms/impl/ground.h"
 #include "tafoni/landforms/landform.h"
+#include "tafoni/math/angle.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/terrain/analysis.h"
 
@@ -17,8 +18,6 @@ namespace {
 using impl::Ground;
 using impl::Range;
 using impl::RangedRaster;
-
-constexpr double degree = 3.14159265358979323846 / 180;
 
 struct Params {
   double depth = 0;

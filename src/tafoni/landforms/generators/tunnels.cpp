@@ -5,13 +5,12 @@
 #include "tafoni/landforms/impl/cells.h"
 #include "tafoni/landforms/impl/hollow.h"
 #include "tafoni/landforms/landform.h"
+#include "tafoni/math/angle.h"
 
 namespace tafoni::landforms {
 namespace {
 
 using impl::Ground;
-
-constexpr double degree = 3.14159265358979323846 / 180;
 
 struct Params : impl::HollowParams {
   std::int64_t count = 3;

@@ -9,11 +9,11 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/params.h"
 #include "tafoni/landforms/erosion.h"
+#include "tafoni/math/angle.h"
 
 namespace tafoni::landforms::impl {
 namespace {
 
-constexpr double degree = 3.14159265358979323846 / 180;
 /// Of values waiting for their operator, and of brackets within brackets.
 constexpr std::size_t deepest = 64;
 

@@ -5,11 +5,11 @@
 #include <iterator>
 
 #include "tafoni/core/error.h"
+#include "tafoni/math/angle.h"
 
 namespace tafoni::landforms::impl {
 namespace {
 
-constexpr double degree = 3.14159265358979323846 / 180;
 constexpr std::size_t most_symbols = 20000;
 constexpr int deepest = 1000;
 constexpr double most_repeats = 1000;

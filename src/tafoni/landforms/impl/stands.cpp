@@ -7,6 +7,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/erosion.h"
 #include "tafoni/landforms/spatial_hash.h"
+#include "tafoni/math/angle.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/raster/distance.h"
 #include "tafoni/terrain/analysis.h"
@@ -14,7 +15,6 @@
 namespace tafoni::landforms::impl {
 namespace {
 
-constexpr double degree = 3.14159265358979323846 / 180;
 /// Darts thrown at each cell of the Poisson-disk grid; fewer on large terrains.
 constexpr std::int64_t fewest_rounds = 4, most_rounds = 24, most_darts = 4'000'000;
 

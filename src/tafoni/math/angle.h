@@ -1,0 +1,10 @@
+#pragma once
+// Angles are radians inside; users give degrees.
+
+#include <numbers>
+
+namespace tafoni {
+
+inline constexpr double degree = std::numbers::pi / 180;
+
+}  // namespace tafoni
