@@ -27,6 +27,7 @@ struct ChunkEvaluator::State {
   impl::ChunkFrame frame;
   impl::ChunkWork work;
   std::vector<std::uint32_t> cursor, order, bricks_of;
+  const Progress* watched = nullptr;
 
   State(const impl::Program& program, double voxel, Vec3d origin, float band)
       : frame{voxel, origin, band, {}, {}, {}, {}}, work(program, frame) {
@@ -34,6 +35,9 @@ struct ChunkEvaluator::State {
       fail(ErrorKind::usage, "the voxel size must be a positive length in metres");
   }
 
+  void check() const {
+    if (watched) watched->check();
+  }
   Range widened(Range known);
   int highest(int from, int to);
   int lowest(int from, int to);
@@ -42,6 +46,10 @@ struct ChunkEvaluator::State {
 ChunkEvaluator::ChunkEvaluator(const CompiledField& field, double voxel, Vec3d origin, float band)
     : state_(std::make_unique<State>(field.program(), voxel, origin, band)) {}
 ChunkEvaluator::~ChunkEvaluator() = default;
+
+void ChunkEvaluator::watch(const Progress& progress) {
+  state_->watched = &progress;
+}
 
 ChunkEvaluator::Range ChunkEvaluator::column(int a, int b) {
   State& s = *state_;
@@ -127,13 +135,15 @@ bool ChunkEvaluator::evaluate(int c, const BrickBox& box, ChunkSamples& out) {
                     frame.beyond(s.work.bare_range(frame.z.metres[0], frame.z.metres[chunk_cells]));
   bool any = false;
   for (int bz = box.lo.z; bz <= box.hi.z; ++bz)
-    for (int by = box.lo.y; by <= box.hi.y; ++by)
+    for (int by = box.lo.y; by <= box.hi.y; ++by) {
+      s.check();
       for (int bx = box.lo.x; bx <= box.hi.x; ++bx) {
         const std::uint64_t bit = std::uint64_t{1} << (by * bricks + bx);
         const bool active = !bare && s.work.may_hold_surface(bx, by, bz);
         out.active[bz] = active ? out.active[bz] | bit : out.active[bz] & ~bit;
         any = any || active;
       }
+    }
   if (!any) return false;
 
   constexpr std::ptrdiff_t row = ChunkSamples::nx, plane = row * ChunkSamples::ny;
@@ -144,6 +154,7 @@ bool ChunkEvaluator::evaluate(int c, const BrickBox& box, ChunkSamples& out) {
         if (!((near | near << 1) >> bx & 1u)) continue;
         const Vec3i n = out.read(bx, by, bz, box);
         if (n.x == 0) continue;
+        s.check();
         const int i = bx * brick_cells, j = by * brick_cells, k = bz * brick_cells;
         const impl::Axis &x = frame.x, &y = frame.y, &z = frame.z;
         s.work.evaluate(bx, by, bz, n.x,
@@ -185,6 +196,7 @@ void ChunkEvaluator::gradients(std::span<const Vec3d> points, std::span<float> v
   impl::PointWork& work = s.work.points();
   for (std::size_t b = 0; b + 1 < begin.size(); ++b) {
     if (begin[b] == begin[b + 1]) continue;
+    s.check();
     s.work.lists(b, work.lists());
     const auto group = std::span<const std::uint32_t>(order).subspan(begin[b], begin[b + 1] - begin[b]);
     work.ask_nested(s.work.program(), points, group, true);

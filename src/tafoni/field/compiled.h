@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "tafoni/core/progress.h"
 #include "tafoni/field/tree.h"
 #include "tafoni/math/vec.h"
 
@@ -80,6 +81,8 @@ class ChunkEvaluator {
   ~ChunkEvaluator();
   ChunkEvaluator(const ChunkEvaluator&) = delete;
   ChunkEvaluator& operator=(const ChunkEvaluator&) = delete;
+  /// What is under way ends when `progress`, which must live as long, is cancelled: a chunk may take seconds.
+  void watch(const Progress& progress);
 
   /// The chunk indices along z, first to last (inclusive), in which column (a, b) may hold surface;
   /// first > last when none. Cheap; prepares the column for evaluate().

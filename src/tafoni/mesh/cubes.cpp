@@ -63,12 +63,13 @@ struct Columns {
 
 constexpr Vec3d off{0.3819660113, 0.4142135624, 0.2360679775};  // of the lattice, in cubes
 
-void cross_triangle(const Vec3d (&p)[3], Columns& columns) {
+void cross_triangle(const Vec3d (&p)[3], Columns& columns, const Progress& progress) {
   const double lo_x = std::min({p[0].x, p[1].x, p[2].x}), hi_x = std::max({p[0].x, p[1].x, p[2].x});
   const double lo_y = std::min({p[0].y, p[1].y, p[2].y}), hi_y = std::max({p[0].y, p[1].y, p[2].y});
   const Vec3d n = cross(p[1] - p[0], p[2] - p[0]);
   if (n.z == 0) return;
-  for (auto j = static_cast<std::int64_t>(std::ceil(lo_y)); static_cast<double>(j) <= hi_y; ++j)
+  for (auto j = static_cast<std::int64_t>(std::ceil(lo_y)); static_cast<double>(j) <= hi_y; ++j) {
+    progress.check();
     for (auto i = static_cast<std::int64_t>(std::ceil(lo_x)); static_cast<double>(i) <= hi_x; ++i) {
       const Vec3d q{static_cast<double>(i), static_cast<double>(j), 0};
       bool within = true;
@@ -84,6 +85,7 @@ void cross_triangle(const Vec3d (&p)[3], Columns& columns) {
       columns.at(i, j).push_back(
           static_cast<float>(p[0].z - (n.x * (q.x - p[0].x) + n.y * (q.y - p[0].y)) / n.z));
     }
+  }
 }
 
 }  // namespace
@@ -133,17 +135,20 @@ Cubes inside_cubes(const Mesh& mesh, double edge, Progress& progress) {
   Columns columns{{box.lo.x, box.hi.x, edge}, {box.lo.y, box.hi.y, edge}, {}};
   const Span z(box.lo.z, box.hi.z, edge);
   const std::int64_t width = columns.x.cubes() + 1, height = columns.y.cubes() + 1, layers = z.cubes() + 1;
-  constexpr std::int64_t most_columns = 1 << 24, most_in_row = 1 << 29;
-  if (width > most_columns / height || width > most_in_row / layers)
+  constexpr std::int64_t most_columns = 1 << 24, most_in_row = 1 << 29, most_cubes = 1ll << 36;
+  if (width > most_columns / height || width > most_in_row / layers || width * height > most_cubes / layers)
     fail(ErrorKind::usage, "cubes of {} m are too small for the mesh; count larger ones", edge);
   columns.crossings.resize(static_cast<std::size_t>(width * height));
+  progress.begin("crossing triangles", mesh.triangles.size(), "triangles");
   for (const auto& t : mesh.triangles) {
+    progress.advance();
     if (std::max({t[0], t[1], t[2]}) >= mesh.positions.size()) continue;
     Vec3d p[3];
     for (std::size_t c = 0; c < 3; ++c) p[c] = to_double(mesh.positions[t[c]]) * (1 / edge) - off;
-    cross_triangle(p, columns);
+    cross_triangle(p, columns, progress);
   }
   for (auto& list : columns.crossings) std::sort(list.begin(), list.end());
+  progress.end();
 
   // Two rows of columns at a time, inside or not at each layer.
   std::vector<std::uint8_t> before, here;

@@ -26,7 +26,7 @@ class SampleSource {
 
 using SourceFactory = std::function<std::unique_ptr<SampleSource>()>;
 
-/// Sources that evaluate `field`, which must outlive them.
-SourceFactory field_source(const field::CompiledField& field, double voxel);
+/// Sources that evaluate `field` until `progress` is cancelled; both must outlive them.
+SourceFactory field_source(const field::CompiledField& field, double voxel, Progress& progress = silent());
 
 }  // namespace tafoni::mesh

@@ -31,13 +31,14 @@ Heights narrowed(const field::CompiledField& field, const Box3d& column, double 
 }
 
 /// Between which elevations the surface lies over the box's x and y.
-Heights elevations(const field::CompiledField& field, const Box3d& box, double voxel) {
+Heights elevations(const field::CompiledField& field, const Box3d& box, double voxel, Progress& progress) {
   const double size = voxel * field::chunk_cells;
   const auto chunk = [&](double v) { return static_cast<int>(std::floor(v / size)); };
   const int west = chunk(box.lo.x), south = chunk(box.lo.y), columns = chunk(box.hi.x) - west + 1,
             rows = chunk(box.hi.y) - south + 1;
   std::vector<Heights> found(static_cast<std::size_t>(rows));
-  parallel_for(rows, [&](std::int64_t row) {
+  progress.begin("looking for the surface", static_cast<std::uint64_t>(rows), "rows");
+  const auto look = [&](std::int64_t row) {
     field::ChunkEvaluator evaluator(field, voxel);
     Heights& own = found[static_cast<std::size_t>(row)];
     for (int a = west; a < west + columns; ++a) {
@@ -50,8 +51,11 @@ Heights elevations(const field::CompiledField& field, const Box3d& box, double v
            {std::min((a + 1) * size, box.hi.x), std::min((b + 1) * size, box.hi.y), (range.last + 1) * size}},
           voxel);
       own = {std::min(own.lo, column.lo), std::max(own.hi, column.hi)};
+      progress.check();
     }
-  });
+  };
+  parallel_for(rows, look, progress);
+  progress.end();
   Heights out;
   for (const Heights& row : found) out = {std::min(out.lo, row.lo), std::max(out.hi, row.hi)};
   return out;
@@ -68,7 +72,7 @@ io::Volume sample_scene(const BuiltScene& scene, const volume::SampleSettings& s
     box.lo -= Vec3d{rim, rim, 0};
     box.hi += Vec3d{rim, rim, 0};
   }
-  const Heights z = elevations(field, box, scene.voxel);
+  const Heights z = elevations(field, box, scene.voxel, progress);
   if (!(z.lo < z.hi))
     fail(ErrorKind::input, "the scene has no surface; check the terrain's window, domain and voxel size");
   box.lo.z = z.lo - rim;

@@ -34,12 +34,15 @@ SampleBox common(const SampleBox& a, Vec3i lo, int size) {
 /// Samples a column of blocks of 64^3 samples. One a thread.
 class ColumnSampler {
  public:
-  ColumnSampler(const field::CompiledField& field, const GridFrame& frame, float band)
+  ColumnSampler(const field::CompiledField& field, const GridFrame& frame, float band,
+                const Progress& progress)
       : field_(field),
         frame_(frame),
         band_(band),
         evaluator_(field, frame.spacing, frame.origin,
-                   band > 0 ? band : std::numeric_limits<float>::infinity()) {}
+                   band > 0 ? band : std::numeric_limits<float>::infinity()) {
+    evaluator_.watch(progress);
+  }
 
   /// The chunks of column (a, b) of blocks, from the lowest up.
   void run(int a, int b, std::vector<Made>& out) {
@@ -167,7 +170,7 @@ ScalarGrid sample(const field::CompiledField& field, const GridFrame& frame, con
         count,
         [&](std::int64_t i) {
           Column& column = group[static_cast<std::size_t>(i)];
-          if (!column.sampler) column.sampler = std::make_unique<ColumnSampler>(field, frame, band);
+          if (!column.sampler) column.sampler = std::make_unique<ColumnSampler>(field, frame, band, progress);
           column.sampler->run(static_cast<int>((begin + i) % columns_x),
                               static_cast<int>((begin + i) / columns_x), column.chunks);
         },

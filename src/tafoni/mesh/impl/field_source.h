@@ -7,7 +7,11 @@ namespace tafoni::mesh::impl {
 
 class FieldSource : public SampleSource {
  public:
-  FieldSource(const field::CompiledField& field, double voxel) : evaluator_(field, voxel) {}
+  /// `progress` may be null.
+  FieldSource(const field::CompiledField& field, double voxel, const Progress* progress = nullptr)
+      : evaluator_(field, voxel) {
+    if (progress) evaluator_.watch(*progress);
+  }
   Range column(int a, int b) override { return evaluator_.column(a, b); }
   bool evaluate(int c, field::ChunkSamples& out) override { return evaluator_.evaluate(c, out); }
   bool evaluate(int c, const field::BrickBox& box, field::ChunkSamples& out) {

@@ -1,11 +1,13 @@
 #include "tafoni/mesh/source.h"
 
+#include <atomic>
 #include <cstring>
 
 #include <gmock/gmock.h>
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/field/function.h"
 #include "tafoni/field/tree.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/polygonize.h"
@@ -121,6 +123,34 @@ TEST(FieldSource, VerticesLieOnTheSurface) {
     }
   }
   EXPECT_LT(far, points.size() / 200);
+}
+
+/// A ball that fills a chunk with bricks to look at, and cancels when it is first asked.
+class Cancelling final : public field::Function {
+ public:
+  explicit Cancelling(Progress& progress) : progress_(progress) {}
+  void values(std::span<const Vec3d> points, std::span<float> out) const override {
+    asked += points.size();
+    progress_.cancel();
+    for (std::size_t i = 0; i < points.size(); ++i) out[i] = static_cast<float>(8 - length(points[i]));
+  }
+  Interval range(const Box3d&) const override { return {-100, 100}; }
+  mutable std::atomic<std::size_t> asked = 0;
+
+ private:
+  Progress& progress_;
+};
+
+TEST(FieldSource, CancellingEndsAChunkThatIsUnderWay) {
+  Progress progress;
+  const auto slow = std::make_shared<Cancelling>(progress);
+  const field::CompiledField field = field::compile(field::function(slow));
+  PolygonizeSettings settings;
+  settings.region = {{-10, -10, -10}, {10, 10, 10}};
+  EXPECT_THROW(polygonize(field, settings, progress), Error);
+  // A brick for each thread, of 512 in a chunk.
+  EXPECT_LE(slow->asked, static_cast<std::size_t>(thread_count()) * 2 * 729);
+  EXPECT_GT(slow->asked, 0u);
 }
 
 }  // namespace
