@@ -148,7 +148,9 @@ Topic common_options() {
 std::string doc_text(const ParamInfo& info, const char* separator) {
   std::string out = info.doc;
   for (const ParamInfo& column : info.columns)
-    out += fmt::format("{}{} = {}: {}", separator, column.name, init_text(column), column.doc);
+    out +=
+        fmt::format("{}{} = {}{}: {}", separator, column.name, init_text(column),
+                    column.kind == ValueKind::text ? "" : fmt::format(" ({})", allowed(column)), column.doc);
   return out;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <locale>
-#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -124,8 +123,12 @@ Value checked_rows(const ParamInfo& info, const Value& value, std::string_view w
   if (!rows) wrong_kind(info, to_toml(value), where);
   Rows out = *rows;
   for (std::size_t i = 0; i < out.size(); ++i) {
-    for (const auto& cell : out[i])
-      find_param(info.columns, cell.first, fmt::format("{}: {}, row {}", where, info.name, i + 1));
+    const std::string row = fmt::format("{}: {}, row {}", where, info.name, i + 1);
+    for (auto& [name, text] : out[i]) {
+      const ParamInfo& column = find_param(info.columns, name, row);
+      check_cell(column, text, row);
+      if (trimmed(text).empty()) text = std::get<std::string>(column.init);
+    }
     for (const ParamInfo& column : info.columns)
       out[i].try_emplace(column.name, std::get<std::string>(column.init));
   }
@@ -190,6 +193,49 @@ ParamInfo column(std::string name, std::string init, std::string doc) {
   info.kind = ValueKind::text;
   info.init = std::move(init);
   return info;
+}
+
+ParamInfo choice_column(std::string name, std::string init, std::vector<std::string> choices,
+                        std::string doc) {
+  ParamInfo info = column(std::move(name), std::move(init), std::move(doc));
+  info.kind = ValueKind::choice;
+  info.choices = std::move(choices);
+  return info;
+}
+
+ParamInfo numbers_column(std::string name, std::string init, std::string unit, std::size_t count, double min,
+                         double max, std::string doc) {
+  ParamInfo info = column(std::move(name), std::move(init), std::move(doc));
+  info.kind = count == 1 ? ValueKind::real : ValueKind::numbers;
+  info.unit = std::move(unit);
+  info.count = count;
+  info.min = min;
+  info.max = max;
+  return info;
+}
+
+std::optional<std::vector<double>> numbers_in(std::string_view text) {
+  constexpr std::string_view between = ", \t\r\n";
+  std::vector<double> out;
+  while (true) {
+    text.remove_prefix(std::min(text.find_first_not_of(between), text.size()));
+    if (text.empty()) return out;
+    const std::size_t end = std::min(text.find_first_of(between), text.size());
+    const auto value = number(text.substr(0, end));
+    if (!value) return std::nullopt;
+    out.push_back(*value);
+    text.remove_prefix(end);
+  }
+}
+
+void check_cell(const ParamInfo& column, const std::string& text, std::string_view where) {
+  if (trimmed(text).empty()) return;
+  if (column.kind == ValueKind::choice) checked_choice(column, text, where);
+  if (column.kind != ValueKind::real && column.kind != ValueKind::numbers) return;
+  const auto numbers = numbers_in(text);
+  if (!numbers || (column.count != 0 && numbers->size() != column.count))
+    wrong_kind(column, quoted(text), where);
+  for (const double v : *numbers) check_range(column, v, fmt::format("{}", v), where);
 }
 
 Value checked(const ParamInfo& info, const Value& value, std::string_view where) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -31,7 +32,7 @@ struct ParamInfo {
   double min = 0, max = 0;           ///< allowed range of integer, real and each of numbers
   std::vector<std::string> choices;  ///< of a choice
   std::size_t count = 0;             ///< of numbers: how many, 0 for any
-  std::vector<ParamInfo> columns;    ///< of rows: texts
+  std::vector<ParamInfo> columns;    ///< of rows; their values are texts, whatever kind these hold
   void (*store)(const ParamInfo&, void* object, const Value&) = nullptr;
   Value (*load)(const ParamInfo&, const void* object) = nullptr;
   alignas(8) unsigned char member[16] = {};  ///< the member pointer, as bytes; see ParamTable
@@ -62,8 +63,20 @@ class ParamTable {
   std::vector<ParamInfo> infos_;
 };
 
-/// A column of ParamTable::rows(), with the text of a row that says nothing.
+/// A column of ParamTable::rows(): any text. `init` is the text of a row that says nothing, or of
+/// an empty cell.
 ParamInfo column(std::string name, std::string init, std::string doc);
+ParamInfo choice_column(std::string name, std::string init, std::vector<std::string> choices,
+                        std::string doc);
+/// `count` numbers, 0 for any, as numbers_in() reads them.
+ParamInfo numbers_column(std::string name, std::string init, std::string unit, std::size_t count, double min,
+                         double max, std::string doc);
+
+/// Decimal numbers between commas or blanks; nullopt where there is anything else.
+std::optional<std::vector<double>> numbers_in(std::string_view text);
+
+/// Throws Error{usage} where a cell's text is not what its column holds.
+void check_cell(const ParamInfo& column, const std::string& text, std::string_view where);
 
 /// Checks `value` against `info` and converts where nothing is lost (an integer for a real, a number for a
 /// list of one); gives rows the columns that they lack. Throws Error{usage}: "WHERE: NAME = 12 is outside 0

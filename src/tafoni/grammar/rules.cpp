@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 #include <deque>
 
 #include "tafoni/core/error.h"
@@ -32,48 +31,43 @@ std::vector<std::string_view> words(std::string_view text) {
   }
 }
 
-double number(std::string_view text, double lo, double hi, const std::string& where,
-              std::string_view column) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !(value >= lo && value <= hi))
-    fail(ErrorKind::usage, "{}: {} = \"{}\" is no number from {:g} to {:g}", where, column, text, lo, hi);
-  return value;
+double number(std::string_view text, double otherwise) {
+  const auto numbers = numbers_in(text);
+  return numbers && numbers->size() == 1 ? numbers->front() : otherwise;
 }
 
 /// "2", or "1.5..3" for a size drawn between the two.
 Range range(std::string_view text, const std::string& where) {
+  constexpr double least = 1e-3, most = 1e4;
   const std::size_t dots = text.find("..");
-  const double lo = number(text.substr(0, dots), 1e-3, 1e4, where, "size");
-  const double hi = dots == text.npos ? lo : number(text.substr(dots + 2), lo, 1e4, where, "size");
+  const double lo = number(text.substr(0, dots), 0);
+  const double hi = dots == text.npos ? lo : number(text.substr(dots + 2), 0);
+  if (!(lo >= least && hi >= lo && hi <= most))
+    fail(ErrorKind::usage, "{}: size = \"{}\" must be a number from {:g} to {:g}, or two as in 1..2", where,
+         text, least, most);
   return {lo, hi};
 }
 
 Rule rule(const Row& row, std::size_t number_of_row, const Settings& settings) {
   Rule out;
-  out.where = fmt::format("rule {}", number_of_row + 1);
+  out.where = fmt::format("rule, row {}", number_of_row + 1);
   const auto cell = [&](std::string_view name) -> const std::string& { return row.find(name)->second; };
+  for (const ParamInfo& column : rule_columns()) check_cell(column, cell(column.name), out.where);
   out.symbol = cell("symbol");
   out.shape = cell("shape");
   if (out.symbol.empty() || out.shape.empty())
     fail(ErrorKind::usage, "{}: it needs a symbol and a shape", out.where);
-  try {
-    out.how.operation = operation_of(cell("operation"));
-    const std::string& label = cell("label");
-    out.how.direction = direction_of(label.empty() ? std::string_view(settings.direction) : label);
-  } catch (const Error& error) {
-    fail(error.kind(), "{}: {}", out.where, error.what());
-  }
+  out.how.operation = operation_of(cell("operation"));
+  const std::string& label = cell("label");
+  out.how.direction = direction_of(label.empty() ? std::string_view(settings.direction) : label);
   for (const std::string_view word : words(cell("size"))) out.size.push_back(range(word, out.where));
   if (out.size.size() != 1 && out.size.size() != 3)
     fail(ErrorKind::usage, "{}: size must be one half width, or three along x, y and z", out.where);
-  const std::string& morph = cell("morph");
-  out.how.alpha = morph.empty() ? settings.morph : number(morph, 0, 100, out.where, "morph") / 100;
-  const std::string& sink = cell("sink");
-  out.how.sink = sink.empty() ? settings.overlap : number(sink, 0, 1, out.where, "sink");
+  out.how.alpha = number(cell("morph"), 100 * settings.morph) / 100;
+  out.how.sink = number(cell("sink"), settings.overlap);
   out.how.turn = settings.turn;
   out.how.whole = settings.whole;
-  out.weight = number(cell("weight"), 0, 1e9, out.where, "weight");
+  out.weight = number(cell("weight"), 1);
   for (const std::string_view word : words(cell("next"))) out.next.emplace_back(word);
   return out;
 }
@@ -216,13 +210,14 @@ std::vector<ParamInfo> rule_columns() {
   return {
       column("symbol", "", "what the rule replaces"),
       column("shape", "", "a solid, empty, or a symbol whose own rules make the shape"),
-      column("operation", "sum", "sum, difference, intersection or morph"),
-      column("label", "", "+X -X +Y -Y +Z -Z or random: where on the base; empty for the layer's"),
+      choice_column("operation", "sum", {"sum", "difference", "intersection", "morph"}, "how it joins"),
+      choice_column("label", "", direction_names(), "where on the base; empty for the layer's"),
       column("size", "1",
              "half width, or three along x, y and z, as multiples of the layer's size; a..b for any between"),
-      column("morph", "", "percent of the shape in a morph; empty for the layer's"),
-      column("sink", "", "share of its extent that a shape is pushed in; empty for the layer's overlap"),
-      column("weight", "1", "how likely among the rules of the symbol"),
+      numbers_column("morph", "", "%", 1, 0, 100, "share of the shape in a morph; empty for the layer's"),
+      numbers_column("sink", "", "", 1, 0, 1,
+                     "share of its extent that a shape is pushed in; empty for the layer's overlap"),
+      numbers_column("weight", "1", "", 1, 0, 1e9, "how likely among the rules of the symbol"),
       column("next", "", "symbols that go on from the shape")};
 }
 

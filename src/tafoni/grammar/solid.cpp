@@ -11,7 +11,7 @@ const SolidType& find_solid(std::string_view name) {
     names.push_back(type->name);
   }
   const std::string near = nearest(name, names);
-  if (near.empty()) fail(ErrorKind::usage, "unknown solid \"{}\"", name);
+  if (near.empty()) fail(ErrorKind::usage, "unknown solid \"{}\"; see `tafoni list solids`", name);
   fail(ErrorKind::usage, "unknown solid \"{}\"; did you mean \"{}\"?", name, near);
 }
 

@@ -58,12 +58,13 @@ std::optional<Value> to_value(const toml::node& node) {
   return Value(std::move(numbers));
 }
 
-/// A cell of a table: text, or the text of a number, true or false.
+/// A cell of a table: text, or the text of numbers, true or false.
 std::optional<std::string> to_cell(const toml::node& node) {
   if (const auto* v = node.as_string()) return v->get();
-  if (node.is_array()) return {};
   const auto value = to_value(node);
-  return value ? std::optional(to_toml(*value)) : std::nullopt;
+  if (!value) return {};
+  const std::string text = to_toml(*value);
+  return node.is_array() ? text.substr(1, text.size() - 2) : text;
 }
 
 class Reader {
@@ -99,7 +100,7 @@ class Reader {
         unknown(key, owner, known);
       }
       const std::string where = place(file_, key.source());
-      const auto value = info->kind == ValueKind::rows ? rows(node, *info) : to_value(node);
+      const auto value = info->kind == ValueKind::rows ? rows(node, *info, owner) : to_value(node);
       if (!value)
         fail(ErrorKind::input, "{}: {} must be {}, not {}", where, info->name, allowed(*info), kind_of(node));
       impl::store(common, object, values, *info, as_input([&] { return checked(*info, *value, where); }));
@@ -107,7 +108,7 @@ class Reader {
   }
 
   /// Empty for what is not an array of tables.
-  std::optional<Value> rows(const toml::node& node, const ParamInfo& info) const {
+  std::optional<Value> rows(const toml::node& node, const ParamInfo& info, const std::string& owner) const {
     const auto* array = node.as_array();
     if (!array) return {};
     Rows out;
@@ -116,14 +117,20 @@ class Reader {
       if (!table) return {};
       Row& row = out.emplace_back();
       for (auto&& [key, cell] : *table) {
-        std::vector<std::string> known;
-        for (const ParamInfo& column : info.columns) known.push_back(column.name);
-        if (std::find(known.begin(), known.end(), key.str()) == known.end())
-          unknown(key, fmt::format("a row of \"{}\"", info.name), known);
+        const auto column = std::find_if(info.columns.begin(), info.columns.end(),
+                                         [k = key.str()](const ParamInfo& c) { return c.name == k; });
+        const std::string which = fmt::format("{}: {}, row {}", owner, info.name, out.size());
+        if (column == info.columns.end()) {
+          std::vector<std::string> known;
+          for (const ParamInfo& c : info.columns) known.push_back(c.name);
+          unknown(key, which, known);
+        }
         const auto text = to_cell(cell);
         if (!text)
-          fail(ErrorKind::input, "{}: {} must be text or a number, not {}", place(file_, key.source()),
-               shown(key.str()), kind_of(cell));
+          fail(ErrorKind::input, "{}: {}: {} must be text or numbers, not {}", place(file_, key.source()),
+               which, column->name, kind_of(cell));
+        as_input(
+            [&] { check_cell(*column, *text, fmt::format("{}: {}", place(file_, key.source()), which)); });
         row.emplace(key.str(), *text);
       }
     }

@@ -186,6 +186,37 @@ TEST(Params, RowErrors) {
             "sea-cliff: rule is a table, which only a scene file can give");
 }
 
+TEST(Params, CellsHoldWhatTheirColumnsSay) {
+  ParamInfo table;
+  table.name = "tool";
+  table.kind = ValueKind::rows;
+  table.columns = {numbers_column("at", "", "m", 3, -1e6, 1e6, "where"),
+                   numbers_column("radius", "5", "m", 1, 0.1, 500, "how wide"),
+                   numbers_column("points", "", "m", 0, -9, 9, "corners"),
+                   choice_column("shape", "", {"sphere", "box"}, "what")};
+  const auto row = [&](const char* column, const char* text) {
+    return std::get<Rows>(checked(table, Rows{{}, {{column, text}}}, "dig"))[1].at(column);
+  };
+  EXPECT_EQ(row("at", "1, 2 -3e0"), "1, 2 -3e0");
+  EXPECT_EQ(row("at", " "), "");
+  EXPECT_EQ(row("radius", ""), "5");
+  EXPECT_EQ(row("points", "1 2\n3 4"), "1 2\n3 4");
+  EXPECT_EQ(row("shape", "box"), "box");
+  const auto error = [&](const char* column, const char* text) {
+    return error_of([&] { row(column, text); });
+  };
+  EXPECT_EQ(error("radius", "1e6"), "dig: tool, row 2: radius = 1000000 is outside 0.1 to 500 m");
+  EXPECT_EQ(error("radius", "nan"), "dig: tool, row 2: radius must be a number, 0.1 to 500 m, not \"nan\"");
+  EXPECT_EQ(error("radius", "5m"), "dig: tool, row 2: radius must be a number, 0.1 to 500 m, not \"5m\"");
+  EXPECT_EQ(error("at", "1 2"),
+            "dig: tool, row 2: at must be 3 numbers, each -1000000 to 1000000 m, not \"1 2\"");
+  EXPECT_EQ(error("at", "1 2 3 4"),
+            "dig: tool, row 2: at must be 3 numbers, each -1000000 to 1000000 m, not \"1 2 3 4\"");
+  EXPECT_EQ(error("points", "1 10"), "dig: tool, row 2: points = 10 is outside -9 to 9 m");
+  EXPECT_EQ(error("shape", "shpere"),
+            "dig: tool, row 2: shape = \"shpere\" is not one of sphere | box; did you mean \"sphere\"?");
+}
+
 TEST(Params, Nearest) {
   const std::vector<std::string> known = {"sea-cliff", "karst", "amplitude", "sea_level"};
   EXPECT_EQ(nearest("karts", known), "karst");

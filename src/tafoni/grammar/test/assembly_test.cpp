@@ -379,14 +379,16 @@ TEST(Rules, BadOnesAreNamed) {
     return "none";
   };
   using testing::HasSubstr;
-  EXPECT_THAT(message({{"symbol", "A"}}), HasSubstr("rule 1: it needs"));
+  EXPECT_THAT(message({{"symbol", "A"}}), HasSubstr("rule, row 1: it needs"));
   EXPECT_THAT(message({{"symbol", "A"}, {"shape", "cubes"}}), HasSubstr("did you mean \"cube\""));
   EXPECT_THAT(message({{"symbol", "A"}, {"shape", "cube"}, {"operation", "add"}}),
-              HasSubstr("unknown operation"));
-  EXPECT_THAT(message({{"symbol", "A"}, {"shape", "cube"}, {"label", "up"}}), HasSubstr("unknown direction"));
+              HasSubstr("operation = \"add\" is not one of"));
+  EXPECT_THAT(message({{"symbol", "A"}, {"shape", "cube"}, {"label", "up"}}),
+              HasSubstr("label = \"up\" is not one of"));
   EXPECT_THAT(message({{"symbol", "A"}, {"shape", "cube"}, {"size", "1 2"}}), HasSubstr("size must be"));
   EXPECT_THAT(message({{"symbol", "A"}, {"shape", "cube"}, {"size", "x"}}), HasSubstr("size = \"x\""));
-  EXPECT_THAT(message({{"symbol", "A"}, {"shape", "cube"}, {"morph", "120"}}), HasSubstr("morph = \"120\""));
+  EXPECT_THAT(message({{"symbol", "A"}, {"shape", "cube"}, {"morph", "120"}}),
+              HasSubstr("morph = 120 is outside 0 to 100 %"));
   EXPECT_THAT(message({{"symbol", "A"}, {"shape", "cube"}, {"next", "B"}}), HasSubstr("\"B\""));
   EXPECT_THAT(message({{"symbol", "A"}, {"shape", "A"}}), HasSubstr("made of itself"));
   EXPECT_THAT(message({{"symbol", "A"}, {"shape", "empty"}, {"next", "A"}}), HasSubstr("without end"));

@@ -35,11 +35,13 @@ const ParamTable<Params>& table() {
     impl::add_hollow_params(t);
     t.rows(
         "chamber", &Params::chamber,
-        {column("at", "",
-                "x, y and z of the middle of its floor, world, metres; empty for under the middle of the "
-                "site"),
-         column("kind", "", "empty for the layer's"), column("turn", "0", "degrees, counter-clockwise"),
-         column("cell", "", "metres; empty for the layer's"), column("noise", "", "empty for the layer's"),
+        {numbers_column("at", "", "m", 3, -1e9, 1e9,
+                        "x, y and z of the middle of its floor, world; empty for under the middle of the "
+                        "site"),
+         choice_column("kind", "", kinds, "empty for the layer's"),
+         numbers_column("turn", "0", "deg", 1, -3600, 3600, "counter-clockwise"),
+         numbers_column("cell", "", "m", 1, 0.05, 100, "empty for the layer's"),
+         numbers_column("noise", "", "", 1, 0, 2, "empty for the layer's"),
          column(
              "lattice", "",
              "its own values from -1, open, to 1, rock: layers from the lowest up end with ;, rows from the "
@@ -50,15 +52,15 @@ const ParamTable<Params>& table() {
   return params;
 }
 
-volume::Chamber chamber_of(const Ground& ground, const Params& p, const Row& row, std::uint64_t seed) {
-  const char* where = "chambers: chamber";
+volume::Chamber chamber_of(const Ground& ground, const Params& p, const Row& row, std::uint64_t seed,
+                           const std::string& where) {
   const std::string_view kind = impl::text_in(row, "kind"), own = impl::text_in(row, "lattice");
   const volume::ChamberPreset& preset = volume::find_chamber_preset(kind.empty() ? p.kind : kind);
   const volume::ChamberLattice lattice = volume::parse_lattice(own.empty() ? preset.lattice : own, where);
   volume::ChamberSettings s;
-  s.cell = impl::number_in(row, "cell", where).value_or(p.cell > 0 ? p.cell : preset.cell);
-  s.noise = impl::number_in(row, "noise", where).value_or(p.noise);
-  s.turn = impl::number_in(row, "turn", where).value_or(0) * degree;
+  s.cell = impl::number_in(row, "cell").value_or(p.cell > 0 ? p.cell : preset.cell);
+  s.noise = impl::number_in(row, "noise").value_or(p.noise);
+  s.turn = impl::number_in(row, "turn").value_or(0) * degree;
   s.spacing = p.spacing > 0 ? p.spacing : s.cell / 6;
   s.seed = seed;
   if (!impl::text_in(row, "at").empty()) {
@@ -86,8 +88,15 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   std::vector<double> places, sizes;
   std::uint64_t index = 0;
   for (const Row& row : rows) {
-    const volume::Chamber chamber = chamber_of(ground, p, row, hash_combine(site.seed, index++));
-    if (ground.box().empty() || !ground.box().overlaps(chamber.bounds())) continue;
+    const volume::Chamber chamber = chamber_of(ground, p, row, hash_combine(site.seed, index),
+                                               fmt::format("chambers: chamber, row {}", index + 1));
+    ++index;
+    if (ground.box().empty() || !ground.box().overlaps(chamber.bounds())) {
+      progress.warn(fmt::format(
+          "chambers: chamber, row {} is not made: it lies outside the terrain or where the layer may not act",
+          index));
+      continue;
+    }
     const Vec3d world = chamber.settings().position + site.origin, size = chamber.size();
     places.insert(places.end(), {world.x, world.y, world.z + 0.5 * chamber.settings().cell});
     sizes.insert(sizes.end(), {size.x, size.y, size.z});

@@ -35,8 +35,8 @@ const ParamTable<Params>& table() {
         .real("roughness", &Params::roughness, "", 0, 0.6,
               "unevenness of the crater, as a share of the radius")
         .rows("blast", &Params::blast,
-              {column("at", "", "x, y and z, world, metres"),
-               column("radius", "", "metres; empty for the layer's")},
+              {numbers_column("at", "", "m", 3, -1e9, 1e9, "x, y and z, world"),
+               numbers_column("radius", "", "m", 1, 0.1, 500, "empty for the layer's")},
               "explosions whose place is given, in the air, at the surface or in the rock");
     return t;
   }();
@@ -60,11 +60,13 @@ class Craters {
 
   std::vector<Blast> blasts(Progress& progress) {
     std::vector<Blast> out;
-    for (const Row& row : p_.blast) {
-      const char* where = "explosions: blast";
-      const double r = impl::number_in(row, "radius", where).value_or(p_.radius);
-      if (!(r > 0)) fail(ErrorKind::usage, "{}: radius = {:g} must be more than 0 m", where, r);
-      add(out, impl::point_in(row, "at", where) - ground_.site().origin, r);
+    for (std::size_t n = 0; n < p_.blast.size(); ++n) {
+      const Vec3d at = impl::point_in(p_.blast[n], "at", fmt::format("explosions: blast, row {}", n + 1));
+      if (!add(out, at - ground_.site().origin, impl::number_in(p_.blast[n], "radius").value_or(p_.radius)))
+        progress.warn(
+            fmt::format("explosions: blast, row {} does nothing: it lies outside the terrain or where the "
+                        "layer may not act",
+                        n + 1));
     }
     for (const Vec3d& p : ground_.site().points) add(out, p, radius());
     if (p_.count == 0) return out;
@@ -75,7 +77,13 @@ class Craters {
     sampling.seed = hash_combine(ground_.site().seed, 2);
     sampling.accept = [&](const SurfacePoint& s) { return ground_.usable(s.position, 2.2 * p_.radius); };
     std::int64_t left = p_.count;
-    for (const SurfacePoint& s : sample_surface(field_, sampling, progress)) {
+    const auto places = sample_surface(field_, sampling, progress);
+    if (places.empty())
+      progress.warn(fmt::format(
+          "explosions finds no place for a crater of {:g} m: each must lie {:g} m off the terrain's border; "
+          "give a smaller radius",
+          p_.radius, 2.2 * p_.radius));
+    for (const SurfacePoint& s : places) {
       if (left-- == 0) break;
       const double r = radius();
       add(out, s.position - to_double(s.normal) * (p_.depth * r), r);
@@ -109,11 +117,12 @@ class Craters {
 
   double radius() { return p_.radius * (1 + p_.variation * random_.uniform(-1, 1)); }
 
-  void add(std::vector<Blast>& out, Vec3d at, double r) const {
-    if (!ground_.usable(at)) return;
+  bool add(std::vector<Blast>& out, Vec3d at, double r) const {
+    if (!ground_.usable(at)) return false;
     const float f = field_.value(at);
     out.push_back(
         {at, r, std::abs(static_cast<double>(f)) < std::min(0.7 * r, 0.95 * ground_.site().amplitude)});
+    return true;
   }
 
   /// Heaps on the ground around the crater, higher to some sides.

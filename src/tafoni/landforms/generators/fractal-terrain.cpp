@@ -41,10 +41,12 @@ const ParamTable<Params>& table() {
         .real("fade", &Params::fade, "m", 0, 1e5,
               "inside the region's border over which the volume takes over, 0 for a quarter of coarse")
         .rows("pin", &Params::pin,
-              {column("x", "", "world, metres"), column("y", "", "world, metres"),
-               column("z", "", "elevation, metres; empty for the terrain's"),
-               column("value", "0", "metres of rock over the surface there, negative for open space"),
-               column("radius", "20", "metres over which its draw falls off")},
+              {numbers_column("x", "", "m", 1, -1e9, 1e9, "world"),
+               numbers_column("y", "", "m", 1, -1e9, 1e9, "world"),
+               numbers_column("z", "", "m", 1, -1e5, 1e5, "elevation; empty for the terrain's"),
+               numbers_column("value", "0", "m", 1, -1e5, 1e5,
+                              "rock over the surface there, negative for open space"),
+               numbers_column("radius", "20", "m", 1, 0, 1e5, "over which its draw falls off")},
               "places whose value is given: mountains, hollows, entrances");
     return t;
   }();
@@ -65,14 +67,14 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   s.fade = p.fade;
   s.seed = site.seed;
   for (const Row& row : p.pin) {
-    const char* where = "fractal-terrain: pin";
+    const std::string where = fmt::format("fractal-terrain: pin, row {}", s.pins.size() + 1);
     volume::Pin pin;
     pin.position.x = impl::required_number_in(row, "x", where) - site.origin.x;
     pin.position.y = impl::required_number_in(row, "y", where) - site.origin.y;
-    const auto z = impl::number_in(row, "z", where);
+    const auto z = impl::number_in(row, "z");
     pin.position.z = z ? *z - site.origin.z : ground.height(pin.position.x, pin.position.y);
-    pin.value = impl::number_in(row, "value", where).value_or(0);
-    pin.radius = std::max(impl::number_in(row, "radius", where).value_or(20), 0.0);
+    pin.value = impl::required_number_in(row, "value", where);
+    pin.radius = impl::required_number_in(row, "radius", where);
     s.pins.push_back(pin);
   }
   return impl::fractal_ground(ground, s, progress).result;

@@ -188,7 +188,10 @@ class Cave {
 
   Result carve() {
     const auto mouth = this->mouth();
-    if (!mouth) return nothing("no hillside rises high enough over level ground; give its entrance as at");
+    if (!mouth)
+      return nothing(p_.at.empty()
+                         ? "no hillside rises high enough over level ground; give its entrance as at"
+                         : "its entrance lies outside the terrain or where the layer may not act");
     frame_ = {mouth->inward, cross(Vec3d{0, 0, 1}, mouth->inward), {0, 0, 1}, mouth->at};
     if (!dig())
       return nothing("there is no room in the rock behind the entrance; give another or a smaller size");
@@ -463,6 +466,10 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   assign(table().infos(), &p, values, "grammar-cave");
   if (p.spread[0] > p.spread[1])
     fail(ErrorKind::usage, "grammar-cave: spread must not begin with the greater number");
+  for (const std::string& name : words(p.solids)) grammar::find_solid(name);
+  if (p.size > 0 && p.size < 0.05)
+    fail(ErrorKind::usage, "grammar-cave: size = {:g} is outside 0.05 to 1000 m; 0 lets the layer choose",
+         p.size);
   const bool solid = p.mode == "solid";
   if (!p.at.empty() && p.at.size() != 3 && (solid || p.at.size() != 2))
     fail(ErrorKind::usage, "grammar-cave: at must hold {}",

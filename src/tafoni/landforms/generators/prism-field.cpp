@@ -108,6 +108,7 @@ class Digging {
 
  private:
   Result nothing() const {
+    progress_.warn("prism-field makes nothing: its box stands where the layer may not act; give another at");
     Result result;
     result.report = {{"tools", std::int64_t{0}}, {"primitives", std::int64_t{0}}};
     return result;
@@ -149,7 +150,7 @@ class Digging {
       progress_.advance();
     }
     for (const ToolUse& use : tools_) {
-      apply(fields, use.tool, use.mode);
+      if (!apply(fields, use.tool, use.mode)) idle_.push_back(&use - tools_.data());
       progress_.advance();
     }
     progress_.end();
@@ -214,8 +215,35 @@ class Digging {
     return std::numeric_limits<double>::infinity();
   }
 
-  void apply(PrismFields& fields, const Tool& tool, Edit mode) {
-    changed_ += !fields.apply(tool, mode).empty();
+  bool apply(PrismFields& fields, const Tool& tool, Edit mode) {
+    const bool changed = !fields.apply(tool, mode).empty();
+    changed_ += changed;
+    return changed;
+  }
+
+  /// Beyond these, minutes and gigabytes.
+  void check_size(const Box3d& over) const {
+    constexpr double most = 0x1p25, most_samples = 0x1p33;
+    const Vec3d size = over.size() * (1 / spacing_);
+    const double columns = size.x * size.y, samples = columns * size.z;
+    if (columns <= most && (p_.source == "box" || samples <= most_samples)) return;
+    fail(ErrorKind::usage,
+         "{:.0f} x {:.0f} x {:.0f} m about what is dug and built are too much at a spacing of {:g} m; give a "
+         "larger spacing or smaller tools",
+         over.size().x, over.size().y, over.size().z, spacing_);
+  }
+
+  void warn_of_idle() const {
+    const auto given = static_cast<std::ptrdiff_t>(tools_.size() - p_.tools.size());
+    for (const std::ptrdiff_t n : idle_)
+      if (n >= given)
+        progress_.warn(
+            fmt::format("prism-field: tool, row {} changes nothing: {}", n - given + 1,
+                        tools_[static_cast<std::size_t>(n)].mode == Edit::remove
+                            ? "there is no matter where it digs, or the layer does not reach there"
+                            : "there is matter already where it builds, or the layer does not reach there"));
+    if (changed_ == 0 && p_.count > 0 && p_.tools.empty())
+      progress_.warn("prism-field digs nothing: no sphere met matter; give larger ones or another region");
   }
 
   std::vector<double> world(const std::vector<Vec3d>& places) const {
@@ -228,6 +256,7 @@ class Digging {
   }
 
   Result report(const PrismFields& fields, double before) const {
+    warn_of_idle();
     Result result;
     result.report = {{"tools", changed_},
                      {"columns", std::int64_t{fields.frame().nx} * fields.frame().ny},
@@ -245,6 +274,7 @@ class Digging {
     Box3d over = room_;
     for (const ToolUse& use : tools_)
       if (use.mode == Edit::add) over.expand(use.tool.bounds());
+    check_size(over);
     const auto down = [&](double v) { return (std::floor(v / spacing_ - 0.375) + 0.375) * spacing_; };
     const volume::ColumnFrame frame{
         {down(over.lo.x), down(over.lo.y), 0},
@@ -288,6 +318,7 @@ class Digging {
       over.hi.z = std::max(over.hi.z, use.tool.bounds().hi.z);
     }
     over.lo.z -= 2 * site_.amplitude;
+    check_size(over);
     PrismFields fields = volume::prism_from(field::compile(site_.terrain), over, spacing_, progress_);
     const double before = volume_of(fields);
     dig(fields);
@@ -330,11 +361,15 @@ class Digging {
   std::vector<ToolUse> tools_;
   std::vector<Vec3d> mouths_;  ///< of the tunnel, on its axis
   std::int64_t changed_ = 0;
+  std::vector<std::ptrdiff_t> idle_;  ///< tools that changed nothing
 };
 
 Result generate(const Site& site, const Values& values, Progress& progress) {
   Params p;
   assign(table().infos(), &p, values, "prism-field");
+  if (p.radius[1] > 0 && p.radius[0] > p.radius[1])
+    fail(ErrorKind::usage, "prism-field: radius = [{:g}, {:g}] must not begin with the greater one",
+         p.radius[0], p.radius[1]);
   progress.check();
   const Ground ground(site);
   if (ground.box().empty()) {

@@ -38,9 +38,10 @@ const ParamTable<Params>& table() {
         .real("cover", &Params::cover, "m", 0, 1000, "least rock over the roof of those at random places");
     impl::add_hollow_params(t);
     t.rows("tunnel", &Params::tunnel,
-           {column("from", "", "x, y and z of one end, world, metres"), column("to", "", "of the other"),
-            column("radius", "", "metres; empty for the layer's"),
-            column("wander", "", "empty for the layer's")},
+           {numbers_column("from", "", "m", 3, -1e9, 1e9, "x, y and z of one end, world"),
+            numbers_column("to", "", "m", 3, -1e9, 1e9, "of the other"),
+            numbers_column("radius", "", "m", 1, 0.1, 200, "empty for the layer's"),
+            numbers_column("wander", "", "", 1, 0, 0.5, "empty for the layer's")},
            "tunnels whose ends are given");
     return t;
   }();
@@ -48,18 +49,29 @@ const ParamTable<Params>& table() {
 }
 
 /// Between ends that the user chose.
-void dig_given(const Site& site, const Params& p, impl::Hollow& hollow) {
+void dig_given(const Ground& ground, const Params& p, impl::Hollow& hollow, Progress& progress) {
+  const Site& site = ground.site();
   std::uint64_t index = 0;
   for (const Row& row : p.tunnel) {
-    const char* where = "tunnels: tunnel";
+    const std::string where = fmt::format("tunnels: tunnel, row {}", index + 1);
     volume::TunnelSettings s;
-    s.radius = impl::number_in(row, "radius", where).value_or(p.radius);
-    s.wander = impl::number_in(row, "wander", where).value_or(p.wander);
+    s.radius = impl::number_in(row, "radius").value_or(p.radius);
+    s.wander = impl::number_in(row, "wander").value_or(p.wander);
     s.swelling = p.swelling, s.floor = p.floor, s.slope = std::tan(p.slope * degree);
     s.step = 0.7 * s.radius;
     s.seed = hash_combine(site.seed, index++);
-    hollow.add(volume::fractal_tunnel(impl::point_in(row, "from", where) - site.origin,
-                                      impl::point_in(row, "to", where) - site.origin, s));
+    const Vec3d from = impl::point_in(row, "from", where) - site.origin,
+                to = impl::point_in(row, "to", where) - site.origin;
+    constexpr double most = 1e6;
+    if (length(to - from) > most * s.radius)
+      fail(ErrorKind::usage, "{}: {:.3g} m are too long for a tunnel of {:g} m radius", where,
+           length(to - from), s.radius);
+    volume::Tunnel tunnel = volume::fractal_tunnel(from, to, s);
+    if (ground.box().overlaps(volume::bounds(tunnel, 0)))
+      hollow.add(std::move(tunnel));
+    else
+      progress.warn(
+          fmt::format("{} is not dug: it lies outside the terrain or where the layer may not act", where));
   }
 }
 
@@ -75,6 +87,11 @@ void dig_random(const Ground& ground, const Params& p, impl::Hollow& hollow, Pro
   impl::Burrows burrows(ground, s, progress);
   const auto& mouths = burrows.mouths();
   std::vector<bool> taken(mouths.size());
+  if (mouths.empty() && p.count > 0)
+    progress.warn(fmt::format(
+        "tunnels digs nothing: no hillside rises high enough for tunnels of {:g} m radius; give a smaller "
+        "radius or their ends",
+        p.radius));
   std::int64_t left = p.count;
   int tries = 0;
   for (std::size_t i = 0; i < mouths.size() && left > 0; ++i)
@@ -120,7 +137,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   const Ground ground(site);
   impl::Hollow hollow(ground, p, p.radius);
   if (!ground.box().empty()) {
-    dig_given(site, p, hollow);
+    dig_given(ground, p, hollow, progress);
     if (p.tunnel.empty()) dig_random(ground, p, hollow, progress);
   }
   Result result = hollow.finish(progress);

@@ -1,9 +1,5 @@
 #include "tafoni/landforms/impl/cells.h"
 
-#include <algorithm>
-#include <charconv>
-#include <cmath>
-
 #include "tafoni/core/error.h"
 
 namespace tafoni::landforms::impl {
@@ -17,35 +13,20 @@ std::string_view text_in(const Row& row, std::string_view column) {
   return text;
 }
 
-std::optional<double> number_in(const Row& row, std::string_view column, std::string_view where) {
-  const std::string_view text = text_in(row, column);
-  if (text.empty()) return {};
-  double value = 0;
-  const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (wrong != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-    fail(ErrorKind::usage, "{}: {} = \"{}\" is not a number", where, column, text);
-  return value;
+std::optional<double> number_in(const Row& row, std::string_view column) {
+  const auto numbers = numbers_in(text_in(row, column));
+  return numbers && numbers->size() == 1 ? std::optional(numbers->front()) : std::nullopt;
 }
 
 Vec3d point_in(const Row& row, std::string_view column, std::string_view where) {
-  const std::string_view text = text_in(row, column);
-  std::string_view left = text;
-  double v[3];
-  for (double& out : v) {
-    left.remove_prefix(std::min(left.find_first_not_of(", \t"), left.size()));
-    const auto [end, wrong] = std::from_chars(left.data(), left.data() + left.size(), out);
-    if (wrong != std::errc() || !std::isfinite(out))
-      fail(ErrorKind::usage, "{}: {} = \"{}\" must be three numbers, x y z", where, column, text);
-    left.remove_prefix(static_cast<std::size_t>(end - left.data()));
-  }
-  if (left.find_first_not_of(", \t") != left.npos)
-    fail(ErrorKind::usage, "{}: {} = \"{}\" must be three numbers, x y z", where, column, text);
-  return {v[0], v[1], v[2]};
+  const auto v = numbers_in(text_in(row, column));
+  if (!v || v->size() != 3) fail(ErrorKind::usage, "{}: it needs {}, three numbers x y z", where, column);
+  return {(*v)[0], (*v)[1], (*v)[2]};
 }
 
 double required_number_in(const Row& row, std::string_view column, std::string_view where) {
-  const auto value = number_in(row, column, where);
-  if (!value) fail(ErrorKind::usage, "{}: every row needs a number for {}", where, column);
+  const auto value = number_in(row, column);
+  if (!value) fail(ErrorKind::usage, "{}: it needs a number for {}", where, column);
   return *value;
 }
 

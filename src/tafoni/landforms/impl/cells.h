@@ -1,5 +1,5 @@
 #pragma once
-// Numbers in the rows of a table that a user wrote.
+// Numbers in the rows of a table, whose columns have checked them.
 
 #include <optional>
 #include <string_view>
@@ -9,11 +9,11 @@
 
 namespace tafoni::landforms::impl {
 
-/// The number in a column; none where it is empty. Throws Error{usage} naming `where` and the column.
-std::optional<double> number_in(const Row& row, std::string_view column, std::string_view where);
-/// The same, of a column that must not be empty.
+/// The number in a column; none where it is empty.
+std::optional<double> number_in(const Row& row, std::string_view column);
+/// The same, of a column that must not be empty. Throws Error{usage}: "WHERE: it needs COLUMN".
 double required_number_in(const Row& row, std::string_view column, std::string_view where);
-/// Three numbers separated by commas or blanks.
+/// Likewise three numbers.
 Vec3d point_in(const Row& row, std::string_view column, std::string_view where);
 std::string_view text_in(const Row& row, std::string_view column);
 

@@ -140,9 +140,9 @@ TEST(PrismField, BadRowsGetOneSentence) {
   const auto error = [&](Row row) -> std::string {
     const auto& infos = find_landform("prism-field").params;
     Values values{{"count", std::int64_t{0}}};
-    values["tool"] =
-        checked(find_param(infos, "tool", "prism-field"), Value(Rows{std::move(row)}), "prism-field");
     try {
+      values["tool"] =
+          checked(find_param(infos, "tool", "prism-field"), Value(Rows{std::move(row)}), "prism-field");
       dug(coast.site, values);
     } catch (const Error& e) {
       EXPECT_EQ(e.kind(), ErrorKind::usage);
@@ -150,12 +150,14 @@ TEST(PrismField, BadRowsGetOneSentence) {
     }
     return "no error";
   };
-  EXPECT_THAT(error({{"tool", "cone"}}), HasSubstr("prism-field, tool 1: tool = \"cone\" is none of"));
-  EXPECT_THAT(error({{"mode", "dig"}}), HasSubstr("mode = \"dig\" is neither remove nor add"));
-  EXPECT_THAT(error({{"at", "1 2"}, {"radius", "1"}}), HasSubstr("at = \"1 2\" should be 3 numbers"));
-  EXPECT_THAT(error({{"at", "1 2 x"}, {"radius", "1"}}), HasSubstr("is not a list of numbers"));
-  EXPECT_THAT(error({{"at", "1 2 3"}, {"radius", "0"}}),
-              HasSubstr("prism-field, tool 1: the radius of a sphere"));
+  EXPECT_THAT(error({{"tool", "cone"}}),
+              HasSubstr("prism-field: tool, row 1: tool = \"cone\" is not one of"));
+  EXPECT_THAT(error({{"mode", "dig"}}), HasSubstr("mode = \"dig\" is not one of remove | add"));
+  EXPECT_THAT(error({{"at", "1 2"}, {"radius", "1"}}), HasSubstr("at must be 3 numbers"));
+  EXPECT_THAT(error({{"radius", "1"}}), HasSubstr("prism-field: tool, row 1: it needs at"));
+  EXPECT_THAT(error({{"at", "1 2 3"}}), HasSubstr("prism-field: tool, row 1: it needs a number for radius"));
+  EXPECT_THAT(error({{"at", "1 2 3"}, {"radius", "1e7"}}), HasSubstr("radius = 10000000 is outside"));
+  EXPECT_THAT(error({{"tool", "hull"}, {"points", "0 0 0 1"}}), HasSubstr("a hull needs points"));
   EXPECT_THAT(error({{"tool", "hull"}, {"points", "0 0 0 1 0 0 0 1 0 1 1 0"}}), HasSubstr("lie in a plane"));
 }
 

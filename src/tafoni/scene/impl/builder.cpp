@@ -392,7 +392,10 @@ void Builder::run_layers(Stage& stage, Progress& progress) {
       if (error.kind() == ErrorKind::cancelled) throw;
       std::string_view what = error.what();
       if (const std::string type = layer.type + ": "; what.starts_with(type)) what.remove_prefix(type.size());
-      fail(error.kind(), "{}layer {}: {}", place_of(stage.document, layer), shown_name(layer), what);
+      // What a file says is input, however it came to be wrong.
+      const bool read = layer.line > 0 && error.kind() == ErrorKind::usage;
+      fail(read ? ErrorKind::input : error.kind(), "{}layer {}: {}", place_of(stage.document, layer),
+           shown_name(layer), what);
     }
     const BuiltLayer& made = stage.built.layers.back();
     stage.scene.open = landforms::applied(stage.scene.open, made.result.made);

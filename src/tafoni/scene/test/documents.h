@@ -87,9 +87,24 @@ inline std::string message(std::string_view text) {
   return "no error";
 }
 
+/// Something that a column takes, another for another `n`.
+inline std::string cell_text(const ParamInfo& column, std::size_t n) {
+  switch (column.kind) {
+    case ValueKind::choice:
+      return column.choices[n % column.choices.size()];
+    case ValueKind::real:
+      return fmt::format("{}", n);
+    case ValueKind::numbers:
+      return fmt::format("{}, 0.5, 0.25", n);
+    default:
+      return std::string(n + 1, 'A');
+  }
+}
+
 /// A layer with a table of two rows between two others, for each landform that has a table.
 struct TableScene {
   std::string type, table, column, text;
+  std::string cell[4];  ///< of that column; the table holds the first two
 };
 
 inline std::vector<TableScene> table_scenes() {
@@ -97,13 +112,19 @@ inline std::vector<TableScene> table_scenes() {
   for (const auto* type : landforms::all_landforms())
     for (const ParamInfo& info : type->params)
       if (!info.columns.empty()) {
-        const std::string& column = info.columns.front().name;
-        const std::string row = fmt::format("[[layer.{}]]\n{} = ", info.name, column);
-        out.push_back({type->name, info.name, column,
-                       fmt::format("[terrain]\nsource = \"a.tif\"\n\n[[layer]]\ntype = \"karst\"\n\n"
-                                   "[[layer]]\ntype = \"{}\"\n\n# One.\n{}\"A\"  # kept\n\n# Two.\n{}2\n\n"
-                                   "# Last.\n[[layer]]\ntype = \"sea-cliff\"\n",
-                                   type->name, row, row)});
+        const ParamInfo& column = info.columns.front();
+        TableScene scene{type->name, info.name, column.name, "", {}};
+        for (std::size_t n = 0; n < 4; ++n) scene.cell[n] = cell_text(column, n);
+        const std::string second = column.kind == ValueKind::real      ? scene.cell[1]
+                                   : column.kind == ValueKind::numbers ? "[" + scene.cell[1] + "]"
+                                                                       : "\"" + scene.cell[1] + "\"";
+        const std::string row = fmt::format("[[layer.{}]]\n{} = ", info.name, column.name);
+        scene.text = fmt::format(
+            "[terrain]\nsource = \"a.tif\"\n\n[[layer]]\ntype = \"karst\"\n\n"
+            "[[layer]]\ntype = \"{}\"\n\n# One.\n{}\"{}\"  # kept\n\n# Two.\n{}{}\n\n"
+            "# Last.\n[[layer]]\ntype = \"sea-cliff\"\n",
+            type->name, row, scene.cell[0], row, second);
+        out.push_back(scene);
       }
   return out;
 }

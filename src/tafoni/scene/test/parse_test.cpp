@@ -152,14 +152,25 @@ TEST(Tables, SayWhatIsWrong) {
   ASSERT_FALSE(table_scenes().empty());
   const TableScene s = table_scenes().front();
   const std::string head = fmt::format("[terrain]\nsource = \"a\"\n[[layer]]\ntype = \"{}\"\n", s.type);
-  EXPECT_THAT(
-      message(head + fmt::format("[[layer.{}]]\n{}x = 1", s.table, s.column)),
-      HasSubstr(fmt::format("dir/s.toml:6: unknown key \"{}x\" in a row of \"{}\"; did you mean \"{}\"?",
-                            s.column, s.table, s.column)));
+  EXPECT_THAT(message(head + fmt::format("[[layer.{}]]\n{}x = 1", s.table, s.column)),
+              HasSubstr(fmt::format(
+                  "dir/s.toml:6: unknown key \"{}x\" in layer \"{}\": {}, row 1; did you mean \"{}\"?",
+                  s.column, s.type, s.table, s.column)));
   EXPECT_THAT(message(head + fmt::format("{} = 3", s.table)),
               HasSubstr(fmt::format("dir/s.toml:5: {} must be rows of {}", s.table, s.column)));
-  EXPECT_THAT(message(head + fmt::format("{} = [{{{} = [1]}}]", s.table, s.column)),
-              HasSubstr(fmt::format("dir/s.toml:5: {} must be text or a number, not an array", s.column)));
+  EXPECT_THAT(message(head + fmt::format("{} = [{{{} = [[1]]}}]", s.table, s.column)),
+              HasSubstr(fmt::format("dir/s.toml:5: layer \"{}\": {}, row 1: {} must be text or numbers, not "
+                                    "an array",
+                                    s.type, s.table, s.column)));
+}
+
+TEST(Tables, CellsOutOfRangeAreNamedByLineLayerRowAndColumn) {
+  const std::string head = "[terrain]\nsource = \"a\"\n[[layer]]\ntype = \"tunnels\"\n";
+  const std::string row = "[[layer.tunnel]]\nfrom = [0, 0, 5]\nto = \"9, 9, 5\"\n";
+  EXPECT_THAT(message(head + row + row + "wander = 7\n"),
+              HasSubstr("dir/s.toml:11: layer \"tunnels\": tunnel, row 2: wander = 7 is outside 0 to 0.5"));
+  EXPECT_THAT(message(head + "[[layer.tunnel]]\nfrom = [0, 0]\n"),
+              HasSubstr("dir/s.toml:6: layer \"tunnels\": tunnel, row 1: from must be 3 numbers"));
 }
 
 }  // namespace
