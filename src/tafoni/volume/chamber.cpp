@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "tafoni/core/error.h"
 #include "tafoni/core/params.h"
 #include "tafoni/volume/fractal.h"
@@ -133,7 +135,7 @@ const ChamberPreset& find_chamber_preset(std::string_view name) {
     known.push_back(preset.name);
   }
   const std::string near = nearest(name, known);
-  fail(ErrorKind::usage, "there is no chamber \"{}\"; known are storage, queen and hall{}", name,
+  fail(ErrorKind::usage, "there is no chamber \"{}\"; known are {}{}", name, fmt::join(known, ", "),
        near.empty() ? "" : fmt::format(" - did you mean {}?", near));
 }
 
@@ -144,7 +146,7 @@ Chamber::Chamber(const ChamberLattice& lattice, const ChamberSettings& settings)
             settings.cell),
       grid_({{0, 0, 0}, 1, {2, 2, 2}}, 0) {
   if (!(settings.cell > 0) || !(settings.spacing > 0) || !std::isfinite(settings.cell) ||
-      !(settings.noise >= 0))
+      !std::isfinite(settings.spacing) || !(settings.noise >= 0))
     fail(ErrorKind::usage,
          "a chamber's cells and spacing must be positive lengths in metres, its noise 0 or more");
   grid_ = Fractal(settings_of(lattice, settings)).grid();

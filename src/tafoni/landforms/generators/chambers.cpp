@@ -24,10 +24,13 @@ struct Params : impl::HollowParams {
 const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     std::vector<std::string> kinds;
-    for (const volume::ChamberPreset& preset : volume::chamber_presets()) kinds.push_back(preset.name);
+    std::string what;
+    for (const volume::ChamberPreset& preset : volume::chamber_presets()) {
+      kinds.push_back(preset.name);
+      what += (what.empty() ? "" : "; ") + preset.name + ": " + preset.doc;
+    }
     ParamTable<Params> t;
-    t.choice("kind", &Params::kind, kinds,
-             "storage: a bulge on four columns; queen: four bulges above a platform")
+    t.choice("kind", &Params::kind, kinds, what)
         .real("cell", &Params::cell, "m", 0, 100, "a side of a cell of its lattice, 0 for the kind's own")
         .real("noise", &Params::noise, "", 0, 2,
               "most that subdivision moves its first values, in cells; much is a hell of flying rocks")

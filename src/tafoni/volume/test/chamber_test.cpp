@@ -126,7 +126,14 @@ TEST(Chamber, ReadsLatticesInWordsAndNumbers) {
   EXPECT_THAT(a.values, testing::ElementsAre(-1, -1, 0, -0.5, 1, 0.5, 1, 1, 1, 1, 1, 1));
   for (const char* wrong : {"##/##", "##/#;##/##", "##/##;##", "#x/##;##/##", "1 2 3;1 2 3", ""})
     EXPECT_THROW(parse_lattice(wrong, "here"), Error) << wrong;
-  EXPECT_THROW(find_chamber_preset("qeen"), Error);
+  try {
+    find_chamber_preset("qeen");
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    for (const ChamberPreset& preset : chamber_presets())
+      EXPECT_THAT(e.what(), testing::HasSubstr(preset.name));
+    EXPECT_THAT(e.what(), testing::HasSubstr("did you mean queen?"));
+  }
 }
 
 }  // namespace
