@@ -16,7 +16,8 @@ struct Cubes {
 };
 
 /// Of a solid within `box`; both local metres. Cubes lie on the global lattice of multiples of `edge`.
-/// V_M = N_C C_E^3 is too small by about half a cube times the surface. Throws Error{usage} for more than
+/// V_M = N_C C_E^3 is too small by half a cube times the areas that the surface shows along x, y and z, that
+/// is by half a cube times a level surface, or three quarters on a sphere. Throws Error{usage} for more than
 /// 2^31 samples along an axis.
 Cubes inside_cubes(const field::CompiledField& field, const Box3d& box, double edge,
                    Progress& progress = silent());
