@@ -269,21 +269,43 @@ std::string summary(const Json& report) {
   return out + "\n";
 }
 
-void print_prediction(const scene::BuiltScene& scene, Console& console) {
+double band_of(const OutputOptions& outputs, const scene::BuiltScene& scene) {
+  return outputs.band.value_or(4 * scene.voxel);
+}
+
+void print_prediction(const scene::BuiltScene& scene, const OutputOptions& outputs, Console& console) {
   const scene::Prediction p = scene::predict(scene, console);
+  const Files files(outputs);
+  Vec3i n{0, 0, 0};
+  std::uint64_t volume_bytes = 0;
+  if (!files.volumes.empty()) {
+    const double band = band_of(outputs, scene);
+    n = scene::volume_frame(scene, band, console).size;
+    // Two triangles a cell of the surface; what is within the band of it is stored sample by sample.
+    const double all = static_cast<double>(n.x) * n.y * n.z;
+    const double near = band > 0 ? static_cast<double>(p.triangles) * band / scene.voxel : all;
+    volume_bytes = static_cast<std::uint64_t>(std::min(near, all)) * (outputs.half ? 2 : 4);
+  }
   if (console.json()) {
-    const Json json = {{"voxel_m", p.voxel},
-                       {"triangles", p.triangles},
-                       {"vertices", p.vertices},
-                       {"memory_bytes", p.memory},
-                       {"glb_bytes", p.file_bytes}};
+    Json json = {{"voxel_m", p.voxel},
+                 {"triangles", p.triangles},
+                 {"vertices", p.vertices},
+                 {"memory_bytes", p.memory},
+                 {"glb_bytes", p.file_bytes}};
+    if (volume_bytes > 0) json["samples"] = {n.x, n.y, n.z}, json["volume_bytes"] = volume_bytes;
     console.result(json.dump(2) + "\n");
     return;
   }
-  console.result(fmt::format(
+  std::string out = fmt::format(
       "at a voxel of {:g} m, judged from one of {:g} m:\n"
-      "triangles  about {}\nmemory     about {}\nGLB file   about {}\n",
-      p.voxel, p.coarse_voxel, with_commas(p.triangles), as_bytes(p.memory), as_bytes(p.file_bytes)));
+      "triangles  about {}\nmemory     about {}\n",
+      p.voxel, p.coarse_voxel, with_commas(p.triangles), as_bytes(p.memory));
+  if (files.volumes.empty() || !files.meshes.empty())
+    out += fmt::format("GLB file   about {}\n", as_bytes(p.file_bytes));
+  if (volume_bytes > 0)
+    out += fmt::format("volume     {} x {} x {} samples, about {} before it is packed\n", n.x, n.y, n.z,
+                       as_bytes(volume_bytes));
+  console.result(out);
 }
 
 scene::MeshResult write_tiles(const scene::BuiltScene& scene, const std::vector<std::string>& files,
@@ -329,7 +351,7 @@ scene::MeshResult write_whole(const scene::BuiltScene& scene, const std::vector<
 void write_volumes(const scene::BuiltScene& scene, const OutputOptions& outputs,
                    const std::vector<std::string>& files, std::vector<fs::path>& written, Console& console) {
   volume::SampleSettings settings;
-  settings.band = outputs.band.value_or(4 * scene.voxel);
+  settings.band = band_of(outputs, scene);
   if (outputs.half) settings.precision = volume::Precision::half;
   io::Volume volume = scene::sample_scene(scene, settings, console);
   for (const std::string& file : files) {
@@ -351,7 +373,7 @@ void run_scene(const scene::Document& document, const std::string& scene_file, c
   std::vector<fs::path> written;
   if (outputs.builds() || outputs.dry_run) {
     const scene::BuiltScene scene = scene::build(document, console);
-    if (outputs.dry_run) return print_prediction(scene, console);
+    if (outputs.dry_run) return print_prediction(scene, outputs, console);
     const Files files(outputs);
     const std::int64_t tiles = outputs.tiles.value_or(1);
     std::optional<scene::MeshResult> result;

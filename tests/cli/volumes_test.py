@@ -1,6 +1,7 @@
 """Volumes in and out of tafoni build, info, query and as layers."""
 
 import json
+import math
 import shutil
 import subprocess
 
@@ -30,6 +31,24 @@ class Volumes(Case):
             for corner in ("low", "high"):
                 for a, b in zip(again[corner], direct[corner]):
                     self.assertAlmostEqual(a, b, delta=0.01)
+
+    def test_dry_run_predicts_what_is_asked_for(self):
+        said = self.passes("build", "s.toml", "--dry-run", "-o", "a.tvol")
+        self.assertNotIn("GLB", said)
+        predicted = json.loads(self.passes("build", "s.toml", "--dry-run", "-o", "a.tvol", "--json"))
+        self.passes("build", "s.toml", "-o", "a.tvol")
+        info = json.loads(self.passes("info", "a.tvol", "--json"))
+        self.assertEqual(predicted["samples"], info["samples"])
+        self.assertLess(abs(math.log(predicted["volume_bytes"] / (self.dir / "a.tvol").stat().st_size)), math.log(4))
+        self.assertIn("GLB", self.passes("build", "s.toml", "--dry-run"))
+
+    def test_the_seven_measures_of_a_volume(self):
+        self.passes("build", "s.toml", "-o", "a.glb", "-o", "a.tvol")
+        mesh, volume = (json.loads(self.passes("metrics", "--sgm", name, "--cube", "2", "--json"))
+                        for name in ("a.glb", "a.tvol"))
+        self.assertEqual(mesh["triangles"], volume["triangles"])
+        self.assertAlmostEqual(mesh["surface_area"] / volume["surface_area"], 1, delta=1e-4)
+        self.fails(2, "only --sgm measures a scene", "metrics", "s.toml")
 
     def test_open_vdb_where_the_build_has_it(self):
         done = run("build", "s.toml", "-o", "a.vdb", "-o", "a.glb", cwd=self.dir)

@@ -149,15 +149,28 @@ std::string csv_of(const std::vector<scene::SgmMeasures>& rows) {
   return out;
 }
 
+bool is_volume(const std::string& file) {
+  return io::can(file, io::Ability::read_volume);
+}
+
+/// Of a mesh file or a volume.
+mesh::Mesh mesh_of(const std::string& file, Console& console) {
+  if (is_volume(file)) return scene::mesh_scene(scene::build(open_document(file), console), console).mesh;
+  if (is_scene_file(file))
+    fail(ErrorKind::usage, "{}: only --sgm measures a scene; give a mesh that `tafoni build` made of it",
+         file);
+  return io::read_mesh(file);
+}
+
 std::vector<scene::SgmMeasures> sgm(const Options& o, Console& console) {
-  if (is_mesh_file(o.file)) {
+  if (is_mesh_file(o.file) || is_volume(o.file)) {
     if (!o.details.empty() || !o.layer.empty())
-      fail(ErrorKind::usage, "--details and --layer are for scenes; give a mesh --cube");
-    const mesh::Mesh mesh = io::read_mesh(o.file);
+      fail(ErrorKind::usage, "--details and --layer are for scenes; give a mesh or a volume --cube");
+    const mesh::Mesh mesh = mesh_of(o.file, console);
     const Vec3d size = mesh::metrics(mesh).bounds.size();
     return {scene::sgm_measures(mesh, o.cube.value_or(std::max({size.x, size.y, size.z}) / 100), console)};
   }
-  if (o.cube) fail(ErrorKind::usage, "--cube is for meshes; give a scene --details");
+  if (o.cube) fail(ErrorKind::usage, "--cube is for meshes and volumes; give a scene --details");
   const std::vector<int> details = details_of(o.details);
   scene::Document document = open_document(o.file);
   o.scene.apply(document);
@@ -186,7 +199,7 @@ std::function<int(Console&)> setup(Args& args) {
                   "Mesh file or volume; with --sgm, a scene file or an elevation model, too");
   args.group("Grammar caves");
   args.flag("--sgm", o->sgm,
-            "The seven measures of document 004, of a mesh or of a scene's grammar-cave layer");
+            "The seven measures of document 004, of a mesh, a volume or a scene's grammar-cave layer");
   args.text("--details", "L_D", o->details,
             "Mesh detail of a scene's cave, 1 to 32, or a row for each as in 1..32");
   args.number("--cube", "M", o->cube, 1e-4, 1e4, "m",
@@ -198,10 +211,7 @@ std::function<int(Console&)> setup(Args& args) {
     if (o->sgm) return run_sgm(*o, console);
     if (o->csv || o->cube || !o->details.empty() || !o->layer.empty())
       fail(ErrorKind::usage, "--details, --cube, --layer and --csv go with --sgm");
-    const mesh::MeshMetrics m =
-        mesh::metrics(io::can(o->file, io::Ability::read_volume)
-                          ? scene::mesh_scene(scene::build(open_document(o->file), console), console).mesh
-                          : io::read_mesh(o->file));
+    const mesh::MeshMetrics m = mesh::metrics(mesh_of(o->file, console));
     console.result(console.json() ? json_of(m).dump(2) + "\n" : text_of(m));
     return 0;
   };

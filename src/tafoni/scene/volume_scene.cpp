@@ -63,23 +63,26 @@ Heights elevations(const field::CompiledField& field, const Box3d& box, double v
 
 }  // namespace
 
-io::Volume sample_scene(const BuiltScene& scene, const volume::SampleSettings& settings, Progress& progress) {
-  const field::CompiledField field = scene.field_for(scene.boundary());
+volume::GridFrame volume_frame(const BuiltScene& scene, double band, Progress& progress) {
   // All of the band, so that a level set does not break off within it.
-  const double rim = settings.band + 2 * scene.voxel;
+  const double rim = band + 2 * scene.voxel;
   Box3d box = scene.terrain.box;
   if (scene.boundary() == mesh::Boundary::solid) {
     box.lo -= Vec3d{rim, rim, 0};
     box.hi += Vec3d{rim, rim, 0};
   }
-  const Heights z = elevations(field, box, scene.voxel, progress);
+  const Heights z = elevations(scene.field_for(scene.boundary()), box, scene.voxel, progress);
   if (!(z.lo < z.hi))
     fail(ErrorKind::input, "the scene has no surface; check the terrain's window, domain and voxel size");
   box.lo.z = z.lo - rim;
   box.hi.z = z.hi + rim;
-  io::Volume out{volume::sample(field, volume::frame_over(box, scene.voxel), settings, progress),
-                 scene.terrain.origin,
-                 {}};
+  return volume::frame_over(box, scene.voxel);
+}
+
+io::Volume sample_scene(const BuiltScene& scene, const volume::SampleSettings& settings, Progress& progress) {
+  const volume::GridFrame frame = volume_frame(scene, settings.band, progress);
+  io::Volume out{
+      volume::sample(scene.field_for(scene.boundary()), frame, settings, progress), scene.terrain.origin, {}};
   out.metadata.crs = scene.crs;
   return out;
 }

@@ -14,6 +14,9 @@ namespace tafoni::scene {
 io::Volume sample_scene(const BuiltScene& scene, const volume::SampleSettings& settings,
                         Progress& progress = silent());
 
+/// The lattice that sample_scene() samples for such a band. Throws as it does.
+volume::GridFrame volume_frame(const BuiltScene& scene, double band, Progress& progress = silent());
+
 /// A volume file as a scene of its own: its upper surface as the terrain, and a layer that replaces all by
 /// the volume. Throws nothing; the file is opened when the scene is built.
 Document volume_document(const std::string& path);
