@@ -229,8 +229,12 @@ ColumnBox PrismFields::apply(const Tool& tool, Edit mode) {
   return changed;
 }
 
-void PrismFields::settle() {
+void PrismFields::free_empty() {
   std::erase_if(layers_, [](const Layer& l) { return l.active == 0; });
+}
+
+void PrismFields::settle() {
+  free_empty();
   if (layers() <= most_layers_) return;
   pack();
   most_layers_ = std::max(8, 2 * layers());
@@ -252,6 +256,7 @@ void PrismFields::set_column(int i, int j, std::span<const Matter> matter) {
     if (layer == layers()) insert_layer(layer);
     set(layer++, p, m.bottom, m.top);
   }
+  free_empty();
 }
 
 void PrismFields::read(const ColumnBox& box, ColumnBlock& out) const {
@@ -312,7 +317,7 @@ void PrismFields::pack() {
         for (std::size_t a = 0; a < tile_size; ++a)
           if (t->bottom[a] < t->top[a]) set(rank[a]++, {n, a}, t->bottom[a], t->top[a]);
   }
-  std::erase_if(layers_, [](const Layer& l) { return l.active == 0; });
+  free_empty();
 }
 
 Box3d PrismFields::bounds() const {

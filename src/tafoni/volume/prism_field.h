@@ -83,11 +83,13 @@ class PrismFields {
   /// room in this column, of several to the one whose matter in the columns around overlaps most, and where
   /// there is none to a new P[i + 1]. Adding, which the paper only names, raises tops and lowers bottoms,
   /// joins the layers that it makes meet in the lowest of them, and puts matter that floats free in a layer
-  /// between those below and above it. Layers without matter are freed. Returns the columns that changed.
+  /// between those below and above it. Layers left without matter are freed. Returns the columns that
+  /// changed.
   ColumnBox apply(const Tool& tool, Edit mode);
 
   /// Makes a column's matter what is given: bottom first, apart from each other. What is thinner than
-  /// min_thickness is left out. Throws Error{usage} for what is out of order or not finite.
+  /// min_thickness is left out. Layers left without matter are freed. Throws Error{usage} for what is out of
+  /// order or not finite.
   void set_column(int i, int j, std::span<const Matter> matter);
 
   /// The columns of `box`, which may reach beyond the frame: there is nothing. Reuses `out`'s memory.
@@ -129,6 +131,7 @@ class PrismFields {
   /// A layer in (below, above) for the matter; made if there is none.
   int layer_for(int i, int j, Matter matter, int below, int above);
   double overlap_around(int layer, int i, int j, Matter matter) const;
+  void free_empty();
   void settle();
 
   ColumnFrame frame_;

@@ -233,5 +233,18 @@ TEST(PrismFields, RefusesWhatCannotBe) {
   EXPECT_EQ(fields.column(0, 0), (std::vector<Matter>{{0, 2}}));
 }
 
+TEST(PrismFields, ColumnsThatAreSetFreeLayersToo) {
+  PrismFields fields(small);
+  const std::vector<Matter> three{{0, 1}, {2, 3}, {4, 5}};
+  fields.set_column(3, 4, three);
+  fields.set_column(5, 4, std::span(three).first(2));
+  EXPECT_EQ(fields.layers(), 3);
+  fields.set_column(3, 4, std::span(three).first(1));
+  EXPECT_EQ(fields.layers(), 2);
+  fields.set_column(5, 4, {});
+  fields.set_column(3, 4, {});
+  EXPECT_EQ(fields.layers(), 0);
+}
+
 }  // namespace
 }  // namespace tafoni::volume
