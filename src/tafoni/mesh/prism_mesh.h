@@ -1,6 +1,10 @@
 #pragma once
 // The surface of a prism-field (document 000, section 3 and figure 6): tops and bottoms as heightfields of
 // two triangles a cell, closed by upright walls. What connects is said in volume/prism_cells.h.
+//
+// Rims follow the columns, in teeth. Moving their vertices to where tops and bottoms would meet was thought
+// through: it helps where matter thins out, but teeth show where walls are upright, and there columns do not
+// tell where the wall is. The leaf can be rounded instead (volume/prism_convert.h).
 
 #include <array>
 #include <cstdint>
