@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "tafoni/core/error.h"
+#include "tafoni/field/round.h"
 #include "tafoni/grammar/derive.h"
 #include "tafoni/landforms/erosion.h"
 #include "tafoni/landforms/impl/cave_mouth.h"
@@ -46,6 +47,7 @@ struct Params {
   bool floor = true;
   double roughness = 0.12;
   double bedding = 0.08;
+  double lip = 0.3;
   bool alone = false;
 };
 
@@ -97,6 +99,8 @@ const ParamTable<Params>& table() {
               "how far walls are bent at random, as a share of the size; 0 for the pure shapes")
         .real("bedding", &Params::bedding, "", 0, 1,
               "how far soft rock recedes, as a share of the size; 0 for not at all")
+        .real("lip", &Params::lip, "", 0, 1,
+              "how far the edge of the entrance is worn off, as a share of the size; 0 for a sharp one")
         .boolean("alone", &Params::alone, "whether a solid stands in place of the terrain");
     return t;
   }();
@@ -206,18 +210,14 @@ class Cave {
     Result result = report(box);
     result.report.emplace_back("entrances", world({mouth->at}));
     result.report.emplace_back("route", world(found_.route));
-    const field::NodePtr rock = walls(box);
-    if (p_.mode == "carve") {
-      result.reshape = [rock](field::NodePtr tree) {
-        return field::combine("intersection", {std::move(tree), rock});
-      };
-      result.reshaped = box.grown(site_.amplitude);
-      return result;
-    }
-    result.reshape = [rock](field::NodePtr tree) {
-      return field::combine("difference", {std::move(tree), rock});
+    const bool cast = p_.mode == "cast";
+    result.reshape = [cast, rock = walls(box), floor = floors(), lip = lip()](const field::NodePtr& tree) {
+      field::NodePtr carved =
+          lip > 0 ? field::rounded(tree, rock, lip) : field::combine("intersection", {tree, rock});
+      if (floor) carved = field::combine("union", {carved, field::combine("intersection", {tree, floor})});
+      return cast ? field::combine("difference", {tree, carved}) : carved;
     };
-    result.reshaped = Box3d::everything();
+    result.reshaped = cast ? Box3d::everything() : box.grown(site_.amplitude);
     return result;
   }
 
@@ -246,6 +246,7 @@ class Cave {
   static constexpr float far = 1e6f;
 
   double bend() const { return p_.roughness * size_; }
+  double lip() const { return p_.lip * size_; }
   double wear() const { return std::min(p_.bedding * size_, 0.75 * site_.amplitude); }
 
   Result nothing(std::string_view why) {
@@ -417,14 +418,17 @@ class Cave {
     field::NodePtr rock = field::combine("difference", {field::constant(far), std::move(air)});
     if (site_.geology && wear() > 0)
       rock = field::erode(std::move(rock), nullptr, geology::as_function(site_.geology), wear());
-    if (!found_.stretches.empty()) {
+    if (!found_.stretches.empty())
       rock =
           field::combine("difference", {std::move(rock), field::function(room_of(found_.stretches, way_))});
-      rock = field::combine("union", {std::move(rock), field::function(floor_of(found_.stretches, way_))});
-    }
     // So that nothing changes beyond the box, whatever warps and geology say there.
     constexpr double steep = 4;
     return field::combine("union", {std::move(rock), field::function(impl::outside_of(box, steep))});
+  }
+
+  /// The sediment in it; null for none.
+  field::NodePtr floors() const {
+    return found_.stretches.empty() ? nullptr : field::function(floor_of(found_.stretches, way_));
   }
 
   std::vector<double> world(const std::vector<Vec3d>& points) const {

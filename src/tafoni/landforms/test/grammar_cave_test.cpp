@@ -94,6 +94,25 @@ TEST(GrammarCave, AddsNoRockAndTheCastIsWhatItTakesOut) {
   }
 }
 
+TEST(GrammarCave, WearsTheEdgeOfItsEntranceAlone) {
+  const Hill hill;
+  const double size = 3.5, lip = 0.4;
+  const auto sharp = test::carved(hill.site, hill.run({{"lip", 0.0}})),
+             worn = test::carved(hill.site, hill.run({{"lip", lip}}));
+  const auto before = field::compile(hill.site.terrain);
+  int less = 0;
+  for (const Vec3d p : test::places({{-60, -30, -5}, {60, 20, 15}}, 300000, 4)) {
+    const float a = sharp.value(p), b = worn.value(p);
+    ASSERT_LE(b, a);
+    ASSERT_GE(b, a - static_cast<float>(lip * size / 4) - 1e-5f);
+    if (a > 0 && b < 0) {
+      ++less;
+      ASSERT_LT(before.value(p), lip * size);
+    }
+  }
+  EXPECT_GT(less, 5);
+}
+
 TEST(GrammarCave, ASolidStandsWhereItIsPutAloneOrWithTheTerrain) {
   const Hill hill;
   const std::vector<double> at = {hill.site.origin.x + 5, hill.site.origin.y - 10, 60};
