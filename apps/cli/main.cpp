@@ -80,6 +80,8 @@ int run(int argc, const char* const* argv) {
 
 int main(int argc, char** argv) {
   using tafoni::cli::print_error;
+  // A file that grows beyond `ulimit -f` is one that cannot be written, not the end of the program.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     return tafoni::cli::run(argc, argv);
   } catch (const tafoni::Error& error) {

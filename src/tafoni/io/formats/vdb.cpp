@@ -13,7 +13,9 @@
 #include <cstdint>
 #include <istream>
 #include <limits>
+#include <memory>
 #include <optional>
+#include <ostream>
 #include <streambuf>
 #include <vector>
 
@@ -145,6 +147,45 @@ FloatGrid::Ptr to_vdb(const Volume& volume, Progress& progress) {
   return out;
 }
 
+/// A file as OpenVDB wants to write it. OpenVDB's own files do not tell that a disk is full.
+class Sink : public std::streambuf {
+ public:
+  Sink(AtomicFile& file, const Progress& progress) : file_(file), progress_(progress) {}
+
+ private:
+  std::streamsize xsputn(const char* from, std::streamsize bytes) override {
+    progress_.check();
+    file_.write(from, static_cast<std::size_t>(bytes));
+    end_ = std::max(end_, file_.position());
+    return bytes;
+  }
+  int_type overflow(int_type c) override {
+    const char byte = traits_type::to_char_type(c);
+    xsputn(&byte, 1);
+    return c;
+  }
+  pos_type seekoff(off_type by, std::ios_base::seekdir from, std::ios_base::openmode which) override {
+    const std::size_t here = file_.position();
+    const std::size_t base = from == std::ios_base::beg ? 0 : from == std::ios_base::cur ? here : end_;
+    return by == 0 && base == here ? pos_type(by + static_cast<off_type>(base))
+                                   : seekpos(pos_type(by + static_cast<off_type>(base)), which);
+  }
+  pos_type seekpos(pos_type to, std::ios_base::openmode) override {
+    file_.seek(static_cast<std::size_t>(off_type(to)));
+    return to;
+  }
+
+  AtomicFile& file_;
+  const Progress& progress_;
+  std::size_t end_ = 0;
+};
+
+class Archive : public openvdb::io::Archive {
+ public:
+  using openvdb::io::Archive::write;
+  Ptr copy() const override { return std::make_shared<Archive>(*this); }
+};
+
 void write(AtomicFile& out, const Volume& volume, Progress& progress) {
   guarded(ErrorKind::output, out.path().string(), [&] {
     const FloatGrid::Ptr grid = to_vdb(volume, progress);
@@ -154,9 +195,11 @@ void write(AtomicFile& out, const Volume& volume, Progress& progress) {
     meta.insertMeta("name", openvdb::StringMetadata(metadata.name));
     meta.insertMeta(crs_key, openvdb::StringMetadata(metadata.crs));
     meta.insertMeta(generator_key, openvdb::StringMetadata(impl::generator_json(metadata.generator)));
-    openvdb::io::File file(out.path().string());
-    file.write({grid}, meta);
-    file.close();
+    Sink sink(out, progress);
+    std::ostream stream(&sink);
+    stream.exceptions(std::ios_base::badbit | std::ios_base::failbit);
+    Archive().write(stream, openvdb::GridCPtrVec{grid}, true, meta);
+    stream.seekp(0, std::ios_base::end);
   });
 }
 

@@ -16,6 +16,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/test_folder.h"
 #include "tafoni/io/impl/reading.h"
+#include "tafoni/io/test/volumes.h"
 #include "tafoni/mesh/texture.h"
 
 namespace tafoni::io {
@@ -229,18 +230,33 @@ TEST(Format, UnwritablePathsAndEmptyMeshesGiveOneSentence) {
 }
 
 TEST(Format, FullDiskGivesOneSentenceAndLeavesNothing) {
+  const mesh::Mesh mesh = bumpy_sphere(40, 60);
+  const Volume volume = hollow_ball(volume::Precision::single);
   // A limit on file size fails a write as a full disk does.
   rlimit before{};
   ::getrlimit(RLIMIT_FSIZE, &before);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
   const rlimit tight{4096, before.rlim_max};
-  const auto path = temporary("full.glb");
-  ::setrlimit(RLIMIT_FSIZE, &tight);
-  const std::string text = error_of([&] { write_mesh(path, bumpy_sphere()); }, ErrorKind::output);
-  ::setrlimit(RLIMIT_FSIZE, &before);
+  for (const FormatType* format : all_formats()) {
+    const std::string name = "full." + format->extensions.front();
+    const auto path = temporary(name);
+    const auto expect_failure = [&](const auto& write) {
+      ::setrlimit(RLIMIT_FSIZE, &tight);
+      std::string text = "no error";
+      try {
+        write();
+      } catch (const Error& error) {
+        text = error.what();
+        EXPECT_EQ(error.kind(), ErrorKind::output) << name;
+      }
+      ::setrlimit(RLIMIT_FSIZE, &before);
+      EXPECT_THAT(text, HasSubstr(name));
+      EXPECT_FALSE(std::filesystem::exists(path)) << name;
+    };
+    if (format->write_mesh) expect_failure([&] { write_mesh(path, mesh); });
+    if (format->write_volume) expect_failure([&] { write_volume(path, volume); });
+  }
   std::signal(SIGXFSZ, handler);
-  EXPECT_THAT(text, HasSubstr("full.glb"));
-  EXPECT_FALSE(std::filesystem::exists(path));
 }
 
 TEST(Glb, KhronosValidatorFindsNothing) {
