@@ -23,19 +23,24 @@ Vec3f wave_normal(Vec3f p, float wavelength) {
 /// Roughness finer than the mesh can hold, down to what a pixel shows: it tints and tilts by a little. It
 /// gives bare walls a scale however near they are, and changes no outline.
 void roughen(Surface& s, float spacing, float pixel) {
-  // Creased, since rock weathers along cracks.
-  const auto noise = [](Vec3f p, double scale) {
-    const float n = simplex({p.x * scale, p.y * scale, p.z * scale * 1.8}, 7);
-    return std::abs(2 * n - 1);
+  const auto smoothly = [](Vec3f p, double scale) {
+    return simplex({p.x * scale, p.y * scale, p.z * scale * 1.8}, 7);
+  };
+  // Half creased, since rock weathers along cracks; all of it would be a net.
+  const auto noise = [&](Vec3f p, double scale) {
+    const float n = smoothly(p, scale), off = 2 * n - 1;
+    return 0.5f * (n + std::sqrt(off * off + 0.01f));
   };
   float wavelength = 2.5f * spacing, share = 1;
-  for (int octave = 0; octave < 12; ++octave, wavelength *= 0.47f, share *= 0.85f) {
-    const float shown = smooth(2.0f, 5.0f, wavelength / pixel);
+  // Some places are rougher than others.
+  const float rough = 0.4f + 1.2f * smoothly(s.position, 0.11 / wavelength);
+  for (int octave = 0; octave < 12; ++octave, wavelength *= 0.47f, share *= 0.87f) {
+    const float shown = share * rough * smooth(2.0f, 5.0f, wavelength / pixel);
     if (shown <= 0) return;
     const double scale = 1 / wavelength;
     const float here = noise(s.position, scale), step = 0.1f * wavelength;
-    s.albedo = s.albedo * (1 + 0.16f * share * shown * (here - 0.4f));
-    const float tilt = 0.04f * share * shown / 0.1f;
+    s.albedo = s.albedo * (1 + 0.18f * shown * (here - 0.45f));
+    const float tilt = 0.055f * shown / 0.1f;
     const Vec3f slope{noise(s.position + Vec3f{step, 0, 0}, scale) - here,
                       noise(s.position + Vec3f{0, step, 0}, scale) - here,
                       noise(s.position + Vec3f{0, 0, step}, scale) - here};
