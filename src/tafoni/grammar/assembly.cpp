@@ -95,8 +95,9 @@ Pose sunk(Pose pose, const Shape& added, const Bond& base, const Bond& own, cons
 }  // namespace
 
 Shape shape_of(SolidPtr solid) {
-  Shape shape{nullptr, solid->bounds(), solid->bonds()};
+  Shape shape{nullptr, solid->bounds(), solid->bonds(), 0};
   if (shape.bounds.empty()) return shape;
+  shape.elements = 1;
   auto form = std::make_shared<Form>();
   form->solid = std::move(solid);
   shape.form = std::move(form);
@@ -114,6 +115,7 @@ void Assembly::begin(const Shape& shape, const Pose& pose) {
   for (const Bond& bond : shape.bonds) part.bonds.push_back(pose.placed(bond));
   part.core = part.bounds;
   parts_.push_back(std::move(part));
+  elements_ += shape.elements;
   ++classic_;
 }
 
@@ -130,7 +132,7 @@ Box3d Assembly::bounds() const {
 }
 
 Shape Assembly::shape() const {
-  Shape out{form(), bounds(), {}};
+  Shape out{form(), bounds(), {}, elements_};
   const field::CompiledField field = field::compile(tree(out.form));
   for (const Part& part : parts_)
     for (const Bond& bond : part.bonds)
@@ -249,6 +251,7 @@ bool Assembly::produce(const Shape& added, const Production& how, Random& random
     *this = std::move(before);
     return false;
   }
+  elements_ += added.elements;
   ++(how.operation == Operation::morph ? morphic_ : classic_);
   return true;
 }

@@ -1,6 +1,7 @@
 #pragma once
 // Productions (document 004, sections 2.4 and 2.5): shapes joined at bonds, one after the other.
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -16,6 +17,7 @@ struct Shape {
   FormPtr form;
   Box3d bounds;
   std::vector<Bond> bonds;
+  std::uint64_t elements = 0;  ///< solids that went into it
 };
 Shape shape_of(SolidPtr solid);
 
@@ -71,6 +73,8 @@ class Assembly {
   Shape shape() const;
   /// Bonds used by labels so far, by pairs, as they met before anything was pushed in.
   const std::vector<std::pair<Bond, Bond>>& labels() const { return labels_; }
+  /// Solids that were added, each once however many parts it takes something from.
+  std::uint64_t elements() const { return elements_; }
   int classic() const { return classic_; }
   int morphic() const { return morphic_; }
 
@@ -87,6 +91,7 @@ class Assembly {
 
   std::vector<Part> parts_;
   std::vector<std::pair<Bond, Bond>> labels_;
+  std::uint64_t elements_ = 0;
   int classic_ = 0, morphic_ = 0;
 };
 

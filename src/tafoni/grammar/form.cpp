@@ -61,12 +61,4 @@ field::NodePtr tree(const FormPtr& form) {
   return form ? tree_of(*form, {}) : field::constant(-1e6f);
 }
 
-std::uint64_t elements(const FormPtr& form) {
-  if (!form) return 0;
-  if (form->solid) return 1;
-  std::uint64_t count = 0;
-  for (const FormPtr& child : form->of) count += elements(child);
-  return count;
-}
-
 }  // namespace tafoni::grammar

@@ -1,7 +1,6 @@
 #pragma once
 // A tree of operations on placed solids (document 004, sections 2.1 and 2.3): what productions make.
 
-#include <cstdint>
 #include <memory>
 #include <string_view>
 #include <vector>
@@ -34,8 +33,5 @@ FormPtr sum(std::vector<FormPtr> forms);
 /// max, min(f, -g), min and f (1 - alpha) + g alpha over distances (equations 2 to 5), as a construction
 /// tree whose leaves hold their own poses. Null becomes a constant far below 0.
 field::NodePtr tree(const FormPtr& form);
-
-/// How many solids it holds.
-std::uint64_t elements(const FormPtr& form);
 
 }  // namespace tafoni::grammar

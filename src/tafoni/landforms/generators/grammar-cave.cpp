@@ -303,6 +303,7 @@ class Cave {
     at.at = {0.5 * length - before, 0, 0.6 * way_.lift};
     shape.form = grammar::combined(grammar::Operation::sum, shape.form, placed(niche.form, at));
     shape.bounds.expand(at.placed(niche.bounds));
+    shape.elements += niche.elements;
     base_ = {};
     base_.begin(shape);
   }
@@ -443,7 +444,7 @@ class Cave {
     result.report = {{"productions", std::int64_t{base_.classic() + base_.morphic()}},
                      {"classic", std::int64_t{base_.classic()}},
                      {"morphic", std::int64_t{base_.morphic()}},
-                     {"elements", static_cast<std::int64_t>(grammar::elements(base_.form()))},
+                     {"elements", static_cast<std::int64_t>(base_.elements())},
                      {"size_m", size_},
                      {"detail", p_.detail},
                      {"low", world({box.lo})},
