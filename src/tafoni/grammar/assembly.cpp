@@ -116,7 +116,6 @@ void Assembly::begin(const Shape& shape, const Pose& pose) {
   part.core = part.bounds;
   parts_.push_back(std::move(part));
   elements_ += shape.elements;
-  ++classic_;
 }
 
 FormPtr Assembly::form() const {
@@ -242,6 +241,7 @@ bool Assembly::produce(const Shape& added, const Production& how, Random& random
   if (parts_.empty()) {
     if (how.operation != Operation::sum || (accept && !accept(added.bounds))) return false;
     begin(added);
+    ++classic_;
     return true;
   }
   const auto label = find_label(added, how, random, accept);

@@ -54,7 +54,7 @@ class Assembly {
  public:
   using Accept = std::function<bool(const Box3d& added)>;
 
-  /// Adds a shape where it lies, without a label: what an empty base begins with.
+  /// Adds a shape where it lies, without a label: what an empty base begins with. No production.
   void begin(const Shape& shape, const Pose& pose = {});
   /// Adds a shape by a label between a free bond of the base and one of the shape, drawn from `random`. What
   /// a difference takes away leaves its own bonds on the walls of the hollow, the other way round.

@@ -320,7 +320,7 @@ class Cave {
       if (count(best) > 0.8 * static_cast<double>(p_.classic + p_.morphic)) break;
     }
     base_ = std::move(best);
-    return count(base_) > 1;
+    return count(base_) > 0;
   }
 
   /// A part's place on the way.

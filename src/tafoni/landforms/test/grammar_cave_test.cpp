@@ -156,6 +156,7 @@ TEST(GrammarCave, RulesMakeTheCave) {
   // Four of the rules and two of the entrance.
   EXPECT_LE(test::fact<std::int64_t>(result, "elements"), 6);
   EXPECT_GE(test::fact<std::int64_t>(result, "productions"), 3);
+  EXPECT_LE(test::fact<std::int64_t>(result, "classic"), 4);
   Rows bad = {{{"symbol", "Hall"}, {"shape", "elipsoid"}}};
   EXPECT_THROW(hill.run({{"rule", checked(info, bad, "test")}}), Error);
 }
