@@ -217,7 +217,7 @@ class Cave {
       if (floor) carved = field::combine("union", {carved, field::combine("intersection", {tree, floor})});
       return cast ? field::combine("difference", {tree, carved}) : carved;
     };
-    result.reshaped = cast ? Box3d::everything() : box.grown(site_.amplitude);
+    result.reshaped = cast ? Box3d::everything() : around(box);
     return result;
   }
 
@@ -233,19 +233,22 @@ class Cave {
     const Box3d box = frame_.placed(own).grown(bend() + wear());
     Result result = report(box);
     // Walls are rock around air: the solid is the other side of them.
-    const field::NodePtr around = walls(box);
-    result.reshape = [around, alone = p_.alone](field::NodePtr tree) {
-      const field::NodePtr inside = field::combine("difference", {field::constant(far), around});
+    result.reshape = [rock = walls(box), alone = p_.alone](field::NodePtr tree) {
+      const field::NodePtr inside = field::combine("difference", {field::constant(far), rock});
       return alone ? inside : field::combine("union", {std::move(tree), inside});
     };
-    result.reshaped = p_.alone ? Box3d::everything() : box.grown(site_.amplitude);
+    result.reshaped = p_.alone ? Box3d::everything() : around(box);
     return result;
   }
 
  private:
   static constexpr float far = 1e6f;
+  static constexpr double steep = 4;
 
   double bend() const { return p_.roughness * size_; }
+  /// Beyond it a box's walls are more rock than any terrain has. They become so at a distance, or faces of
+  /// the solid that touch the box would lie between values of unlike slopes.
+  Box3d around(const Box3d& box) const { return box.grown(size_ + site_.amplitude + lip()); }
   double lip() const { return p_.lip * size_; }
   double wear() const { return std::min(p_.bedding * size_, 0.75 * site_.amplitude); }
 
@@ -422,9 +425,9 @@ class Cave {
     if (!found_.stretches.empty())
       rock =
           field::combine("difference", {std::move(rock), field::function(room_of(found_.stretches, way_))});
-    // So that nothing changes beyond the box, whatever warps and geology say there.
-    constexpr double steep = 4;
-    return field::combine("union", {std::move(rock), field::function(impl::outside_of(box, steep))});
+    // So that nothing changes far beyond the box, whatever warps and geology say there.
+    return field::combine("union",
+                          {std::move(rock), field::function(impl::outside_of(box.grown(size_), steep))});
   }
 
   /// The sediment in it; null for none.
