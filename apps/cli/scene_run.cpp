@@ -331,6 +331,11 @@ scene::MeshResult write_whole(const scene::BuiltScene& scene, const std::vector<
                               const OutputOptions& outputs, std::vector<fs::path>& written,
                               Console& console) {
   scene::MeshResult result = scene::mesh_scene(scene, console);
+  if (result.mesh.triangles.empty() && result.stats.fragments_removed > 0)
+    fail(ErrorKind::input,
+         "nothing is left: every piece of the scene is smaller than {:g} m3 and was removed; give a smaller "
+         "scene.min_fragment",
+         scene.document.scene.min_fragment);
   if (result.mesh.triangles.empty())
     fail(ErrorKind::input, "the scene has no surface; check the terrain's window, domain and voxel size");
   if (outputs.texture) mesh::box_texture(result.mesh, *outputs.texture);

@@ -27,6 +27,20 @@ class Errors(Case):
         self.fails(2, "must have 6", "render", "hill.asc", "--camera", "-1,2,3", "-o", "a.png")
         self.assertEqual(self.files(), ["hill.asc"])
 
+    def test_scenes_that_ask_for_too_much(self):
+        scene = "[terrain]\ngenerator = 'plane'\n[[layer]]\ntype = 'tunnels'\n"
+        (self.dir / "row.toml").write_text(scene + "[[layer.tunnel]]\nfrom = [1, 1, 0]\nto = '9 9 0'\nwander = 7\n")
+        self.fails(3, 'row.toml:8: layer "tunnels": tunnel, row 1: wander = 7 is outside 0 to 0.5',
+                   "build", "row.toml", "-o", "a.glb")
+        (self.dir / "end.toml").write_text(scene + "[[layer.tunnel]]\nfrom = [1, 1, 0]\n")
+        self.fails(3, "end.toml:3: layer tunnels: tunnel, row 1: it needs to", "build", "end.toml", "-o", "a.glb")
+        self.assertEqual(self.files(), ["end.toml", "row.toml"])
+
+    def test_terrain_smaller_than_a_fragment(self):
+        self.hill(n=8, pixel=0.1)
+        self.fails(3, "give a smaller scene.min_fragment", "build", "hill.asc", "-o", "a.glb")
+        self.passes("build", "hill.asc", "--set", "scene.min_fragment=0", "-o", "a.glb")
+
     def test_unusable_inputs(self):
         self.fails(3, "missing.tif", "amplify", "missing.tif", "-o", "a.glb")
         self.fails(3, "missing.toml: does not exist", "build", "missing.toml", "-o", "a.glb")
