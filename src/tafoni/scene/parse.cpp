@@ -129,8 +129,8 @@ class Reader {
         if (!text)
           fail(ErrorKind::input, "{}: {}: {} must be text or numbers, not {}", place(file_, key.source()),
                which, column->name, kind_of(cell));
-        as_input(
-            [&] { check_cell(*column, *text, fmt::format("{}: {}", place(file_, key.source()), which)); });
+        const std::string where = fmt::format("{}: {}", place(file_, key.source()), which);
+        as_input([&] { check_cell(*column, *text, where); });
         row.emplace(key.str(), *text);
       }
     }
