@@ -139,7 +139,9 @@ std::int64_t pragma(const State& state, const char* name) {
 template <class State>
 class Transaction {
  public:
-  explicit Transaction(State& state) : state_(state) { state.run("begin immediate"); }
+  explicit Transaction(State& state, const char* begin = "begin immediate") : state_(state) {
+    state.run(begin);
+  }
   ~Transaction() {
     if (open_) sqlite3_exec(state_.db, "rollback", nullptr, nullptr, nullptr);
   }
@@ -179,6 +181,7 @@ void follow(State& state) {
   state.applied.insert(state.applied.end(), added.rbegin(), added.rend());
 }
 
+/// Within a transaction.
 template <class State>
 void load(State& state) {
   std::unordered_map<std::int64_t, Row> rows;
@@ -207,6 +210,14 @@ void load(State& state) {
   state.applied.clear();
   state.seen = pragma(state, "pragma data_version");
   follow(state);
+}
+
+/// Under a lock of its own: another process may append between two queries.
+template <class State>
+void load_alone(State& state) {
+  Transaction transaction(state, "begin");
+  load(state);
+  transaction.commit();
 }
 
 /// Makes the tables of a new file; of two processes that do so at once, one finds it done.
@@ -270,7 +281,7 @@ void open_state(State& state, const std::filesystem::path& file, bool create) {
   // EXTRA also syncs the folder, so that a finished stroke outlives a power cut.
   state.run("pragma synchronous = extra; pragma trusted_schema = off; pragma cell_size_check = on");
   prepare(state, create);
-  load(state);
+  load_alone(state);
 }
 
 /// Takes the lock, takes over what others did, lets `change` work on the tables, and commits.
@@ -421,14 +432,7 @@ void Journal::mute(std::int64_t id, bool muted) {
 
 bool Journal::refresh() {
   if (pragma(*state_, "pragma data_version") == state_->seen) return false;
-  state_->run("begin");
-  try {
-    load(*state_);
-  } catch (...) {
-    sqlite3_exec(state_->db, "rollback", nullptr, nullptr, nullptr);
-    throw;
-  }
-  state_->run("commit");
+  load_alone(*state_);
   return true;
 }
 

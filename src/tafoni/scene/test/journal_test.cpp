@@ -34,6 +34,19 @@ std::vector<int> numbers(const Journal& journal) {
   return out;
 }
 
+/// Ends with the status 0 once f has returned, with another where it throws.
+template <class F>
+pid_t in_another_process(const F& f) {
+  const pid_t child = ::fork();
+  if (child != 0) return child;
+  try {
+    f();
+  } catch (...) {
+    ::_exit(1);
+  }
+  ::_exit(0);
+}
+
 class JournalFile : public ::testing::Test {
  protected:
   template <class F>
@@ -164,13 +177,11 @@ TEST_F(JournalFile, KilledAtAnyMomentItLosesTheStrokeInFlightAlone) {
 
 TEST_F(JournalFile, TwoProcessesAppendToOneHistory) {
   Journal::open_or_create(file);
-  const pid_t child = ::fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
+  const pid_t child = in_another_process([&] {
     Journal j = Journal::open(file);
     for (int i = 0; i < 20; ++i) j.append(numbered(100 + i));
-    ::_exit(0);
-  }
+  });
+  ASSERT_GE(child, 0);
   Journal j = Journal::open(file);
   for (int i = 0; i < 20; ++i) j.append(numbered(i));
   int status = -1;
@@ -184,6 +195,22 @@ TEST_F(JournalFile, TwoProcessesAppendToOneHistory) {
   ASSERT_EQ(theirs.size(), 20u);
   EXPECT_TRUE(std::is_sorted(mine.begin(), mine.end()));
   EXPECT_TRUE(std::is_sorted(theirs.begin(), theirs.end()));
+}
+
+TEST_F(JournalFile, OpensWhileAnotherProcessAppends) {
+  Journal::open_or_create(file);
+  const pid_t child = in_another_process([&] {
+    Journal j = Journal::open(file);
+    for (int i = 0; i < 200; ++i) j.append(numbered(i));
+  });
+  ASSERT_GE(child, 0);
+  int status = -1;
+  while (::waitpid(child, &status, WNOHANG) == 0) {
+    std::vector<int> found;
+    EXPECT_EQ(failure([&] { found = numbers(Journal::open(file)); }), "no error");
+    for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i], static_cast<int>(i));
+  }
+  EXPECT_EQ(status, 0);
 }
 
 TEST_F(JournalFile, RefusesWhatIsNoJournal) {
