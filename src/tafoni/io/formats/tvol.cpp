@@ -236,9 +236,7 @@ class Reader {
            "{}: does not begin as a volume of tafoni does; it is of another format or cut off.", file);
     if (const auto v = impl::load<std::uint32_t>(bytes, 8); v != version)
       fail(ErrorKind::input,
-           "{}: has version {} of the format, and this program reads {}; write it again, or use the program "
-           "of "
-           "its version.",
+           "{}: has version {} of the format, and this program reads {}; write it again with this program.",
            file, v, version);
     const auto text = impl::load<std::uint64_t>(bytes, 88), table = impl::load<std::uint64_t>(bytes, 96);
     const std::uint64_t left = bytes.size() - header_bytes;
