@@ -19,9 +19,9 @@
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
-#include "tafoni/mesh/dense.h"
-#include "tafoni/mesh/grid_mesher.h"
 #include "tafoni/mesh/validate.h"
+#include "tafoni/surface/dense.h"
+#include "tafoni/surface/grid_mesher.h"
 #include "tafoni/volume/edit.h"
 
 #if defined(TAFONI_BENCH_VTK)
@@ -152,7 +152,7 @@ class Case {
  public:
   Case(const std::string& name, volume::Precision precision, bool polygons)
       : grid_(ground(precision)),
-        mesher_({mesh::Boundary::open, polygons}),
+        mesher_({surface::Boundary::open, polygons}),
         edit_{"edit" + name},
         both_{"edit and mesh" + name} {
     const double start = seconds();
@@ -160,7 +160,7 @@ class Case {
     std::fprintf(stderr, "first mesh%s: %.3f s\n", name.c_str(), seconds() - start);
   }
 
-  std::vector<mesh::GridMesher::Change> dab(const volume::Tool& tool, volume::Edit edit) {
+  std::vector<surface::GridMesher::Change> dab(const volume::Tool& tool, volume::Edit edit) {
     const double start = seconds();
     const volume::SampleBox box = volume::apply(grid_, tool, edit, amplitude);
     const double edited = seconds();
@@ -183,7 +183,7 @@ class Case {
 
  private:
   volume::ScalarGrid grid_;
-  mesh::GridMesher mesher_;
+  surface::GridMesher mesher_;
   Row edit_, both_;
 };
 
@@ -193,7 +193,7 @@ class WholeChunks {
   void mesh(const std::vector<Samples>& all) {
     double start = seconds(), hashing = 0;
     for (const Samples& s : all) {
-      mesh::polygonize_grid({s.values.data(), s.n.x, s.n.y, s.n.z, 1.0}, true, dense_);
+      surface::polygonize_grid({s.values.data(), s.n.x, s.n.y, s.n.z, 1.0}, true, dense_);
       const double made = seconds();
       own_.triangles += dense_.triangles.size();
       own_.hash = hash_of(dense_, own_.hash);

@@ -18,8 +18,8 @@
 #include <sys/resource.h>
 
 #include "tafoni/core/parallel.h"
-#include "tafoni/mesh/dense.h"
 #include "tafoni/mesh/validate.h"
+#include "tafoni/surface/dense.h"
 
 #if defined(TAFONI_BENCH_VTK)
 #include <vtkCellArray.h>
@@ -104,7 +104,7 @@ int main(int argc, char** argv) {
   // The header of vtkSMPTools in VTK 9.1 is not C++20, but its environment is read before the first loop.
   setenv("VTK_SMP_MAX_THREADS", std::to_string(threads).c_str(), 1);
   const std::vector<float> f = samples();
-  const mesh::DenseGrid grid{f.data(), nx, ny, nz, 1.0};
+  const surface::DenseGrid grid{f.data(), nx, ny, nz, 1.0};
   std::vector<Contender> contenders;
 
   float sum = 0;
@@ -120,12 +120,12 @@ int main(int argc, char** argv) {
                         }});
 
   mesh::Mesh reused, fresh;
-  contenders.push_back({"tafoni, output reused", [&] { mesh::polygonize_grid(grid, true, reused); },
+  contenders.push_back({"tafoni, output reused", [&] { surface::polygonize_grid(grid, true, reused); },
                         [&] { return result_of(reused); }});
   contenders.push_back({"tafoni, output new",
                         [&] {
                           fresh = mesh::Mesh{};
-                          mesh::polygonize_grid(grid, true, fresh);
+                          surface::polygonize_grid(grid, true, fresh);
                         },
                         [&] { return result_of(fresh); }});
 

@@ -23,7 +23,7 @@
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
-#include "tafoni/mesh/prism_mesh.h"
+#include "tafoni/surface/prism_mesher.h"
 #include "tafoni/volume/prism_convert.h"
 
 namespace {
@@ -158,7 +158,7 @@ class Prisms {
     volume::ColumnBox changed = fields_.apply(volume::Tool::sphere(c, r), volume::Edit::remove);
     if (whole) changed = {0, 0, fields_.frame().nx - 1, fields_.frame().ny - 1};
     for (const auto at : mesher_.update(fields_, changed)) {
-      const mesh::PrismChunk& chunk = mesher_.chunk(at);
+      const surface::PrismChunk& chunk = mesher_.chunk(at);
       triangles_ += chunk.triangles.size();
       for (std::size_t n = 0; n < chunk.positions.size(); n += 61) {
         std::uint32_t bits[3];
@@ -174,7 +174,7 @@ class Prisms {
 
  private:
   volume::PrismFields fields_;
-  mesh::PrismMesher mesher_;
+  surface::PrismMesher mesher_;
   std::uint64_t hash_ = 0, triangles_ = 0;
 };
 

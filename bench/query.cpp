@@ -26,9 +26,9 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/field/compiled.h"
-#include "tafoni/mesh/polygonize.h"
 #include "tafoni/query/field_collider.h"
 #include "tafoni/query/mesh_collider.h"
+#include "tafoni/surface/polygonize.h"
 
 namespace {
 
@@ -171,13 +171,13 @@ void run(int count, int cells, int queries) {
   const field::CompiledField field =
       field::compile(field::combine("blend", {ground_node(ground, true), cloud_of(spheres)}));
   const double voxel = extent / cells;
-  mesh::PolygonizeSettings settings;
+  surface::PolygonizeSettings settings;
   settings.voxel = voxel;
-  settings.boundary = mesh::Boundary::open;
+  settings.boundary = surface::Boundary::open;
   const Vec3d middle{extent / 2, extent / 2, 0};
   settings.region = {middle - Vec3d{half_region, half_region, -ground.region.lo.z},
                      middle + Vec3d{half_region, half_region, ground.region.hi.z}};
-  const mesh::Mesh mesh = mesh::polygonize(field, settings);
+  const mesh::Mesh mesh = surface::polygonize(field, settings);
   const query::MeshCollider peer(mesh);
   const Rays embree(mesh);
   const query::FieldSettings collider_settings{.voxel = voxel, .region = ground.region};

@@ -79,7 +79,7 @@ void run(const scene::BuiltScene& scene, double voxel, int clicks) {
     if (bytes == 0 && !changes.chunks.empty()) fail(ErrorKind::internal, "chunks changed to nothing");
   }
   const double t1 = now_ms();
-  mesh::GridMesher anew({scene.boundary(), true});
+  surface::GridMesher anew({scene.boundary(), true});
   anew.update(ground.snapshot()->grid(), {});
   const double anew_ms = now_ms() - t1;
   std::uint64_t triangles = 0;

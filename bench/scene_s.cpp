@@ -22,7 +22,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/tree.h"
-#include "tafoni/mesh/polygonize.h"
+#include "tafoni/surface/polygonize.h"
 
 namespace {
 
@@ -90,7 +90,7 @@ struct Options {
 
 struct Row {
   double tree_s, compile_s, mesh_s, cpu_s, peak_mb, bytes_a_primitive;
-  mesh::PolygonizeStats stats;
+  surface::PolygonizeStats stats;
   std::uint64_t mesh_hash, query_hash;
   Timed uniform, surface, near, gradient;
   double brute_rate, worst = 0;
@@ -156,11 +156,11 @@ Row run(const Options& o) {
   const field::CompiledField field = field::compile(tree);
   const double t2 = seconds();
 
-  mesh::PolygonizeSettings settings;
+  surface::PolygonizeSettings settings;
   settings.voxel = extent / o.cells;
-  settings.boundary = o.solid ? mesh::Boundary::solid : mesh::Boundary::open;
+  settings.boundary = o.solid ? surface::Boundary::solid : surface::Boundary::open;
   settings.region = ground.region;
-  const mesh::Mesh mesh = mesh::polygonize(field, settings, silent(), &row.stats);
+  const mesh::Mesh mesh = surface::polygonize(field, settings, silent(), &row.stats);
   const double t3 = seconds();
 
   getrusage(RUSAGE_SELF, &usage);

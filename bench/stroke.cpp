@@ -21,7 +21,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/field/compiled.h"
-#include "tafoni/mesh/incremental.h"
+#include "tafoni/surface/incremental.h"
 
 namespace {
 
@@ -55,13 +55,13 @@ double at_rank(std::vector<double> values, double rank) {
 
 void strokes_at(Vec2d place, int strokes, const Brush& brush_kind, const field::NodePtr& scene,
                 Random& random, Row& row) {
-  mesh::PolygonizeSettings settings;
+  surface::PolygonizeSettings settings;
   settings.voxel = voxel;
-  settings.boundary = mesh::Boundary::open;
+  settings.boundary = surface::Boundary::open;
   const double z = elevation(place.x, place.y);
   const Vec3d middle{place.x, place.y, z};
   settings.region = Box3d{middle, middle}.grown(half_region);
-  mesh::IncrementalMesher mesher(settings);
+  surface::IncrementalMesher mesher(settings);
   field::NodePtr tree = scene;
   mesher.update(field::compile(tree), {});
   for (int i = 0; i < strokes; ++i) {
@@ -88,7 +88,7 @@ void strokes_at(Vec2d place, int strokes, const Brush& brush_kind, const field::
     if (i % peer_every != 0) continue;
 
     const double c3 = process_seconds(), t3 = seconds();
-    const mesh::Mesh anew = mesh::polygonize(field, settings);
+    const mesh::Mesh anew = surface::polygonize(field, settings);
     row.anew_ms.push_back((seconds() - t3) * 1e3);
     row.anew_cpu_ms.push_back((process_seconds() - c3) * 1e3);
     const std::uint64_t own = hash_of(mesher.assemble());

@@ -22,7 +22,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/field/compiled.h"
-#include "tafoni/scene/mesh_scene.h"
+#include "tafoni/scene/products/mesh_scene.h"
 
 namespace {
 
@@ -73,7 +73,7 @@ std::uint64_t hash_of(const mesh::Mesh& mesh) {
 }
 
 /// Every sample of every chunk, asked one by one.
-class PlainSource final : public mesh::SampleSource {
+class PlainSource final : public surface::SampleSource {
  public:
   PlainSource(const field::CompiledField& field, double voxel, Range z)
       : field_(field), voxel_(voxel), z_(z) {}
@@ -121,7 +121,7 @@ class PlainSource final : public mesh::SampleSource {
 
 struct Meshed {
   double seconds = 0, cpu = 0;
-  mesh::PolygonizeStats stats;
+  surface::PolygonizeStats stats;
   std::uint64_t hash = 0;
   double bottom = 1e9, top = -1e9;  ///< metres
 };
@@ -131,7 +131,7 @@ Meshed optimized(const scene::BuiltScene& scene) {
   const double start = now(), start_cpu = cpu();
   const field::CompiledField field = scene.field_for(scene.boundary());
   const mesh::Mesh mesh =
-      mesh::polygonize(field, scene::polygonize_settings(scene, field, scene.voxel), silent(), &out.stats);
+      surface::polygonize(field, scene::polygonize_settings(scene, field, scene.voxel), silent(), &out.stats);
   out.seconds = now() - start;
   out.cpu = cpu() - start_cpu;
   out.hash = hash_of(mesh);
@@ -149,10 +149,10 @@ Meshed plain(const scene::BuiltScene& scene) {
   const auto settings = scene::polygonize_settings(scene, field, scene.voxel);
   const double side = scene.voxel * field::chunk_cells;
   const Box3d box = field.bounds();
-  const mesh::SampleSource::Range z{static_cast<int>(std::floor(box.lo.z / side)) - 1,
-                                    static_cast<int>(std::floor(box.hi.z / side)) + 1};
-  const mesh::SourceFactory factory = [&] { return std::make_unique<PlainSource>(field, scene.voxel, z); };
-  const mesh::Mesh mesh = mesh::polygonize(factory, box, settings, silent(), &out.stats);
+  const surface::SampleSource::Range z{static_cast<int>(std::floor(box.lo.z / side)) - 1,
+                                       static_cast<int>(std::floor(box.hi.z / side)) + 1};
+  const surface::SourceFactory factory = [&] { return std::make_unique<PlainSource>(field, scene.voxel, z); };
+  const mesh::Mesh mesh = surface::polygonize(factory, box, settings, silent(), &out.stats);
   out.seconds = now() - start;
   out.cpu = cpu() - start_cpu;
   out.hash = hash_of(mesh);
@@ -197,7 +197,7 @@ void run(const PaperRow& row, const std::string& file, bool with_plain) {
   const Meshed slow = with_plain ? plain(scene) : Meshed{};
   if (with_plain && slow.hash != fast.hash) fail(ErrorKind::internal, "{}: the plain mesh differs", row.name);
   const Vec3d size = scene.terrain.box.size();
-  const auto calls = [](const mesh::PolygonizeStats& s) {
+  const auto calls = [](const surface::PolygonizeStats& s) {
     return 1e-6 * static_cast<double>(s.evaluated + s.vertices);
   };
   fmt::print(

@@ -17,10 +17,10 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/field/compiled.h"
-#include "tafoni/mesh/polygonize.h"
-#include "tafoni/scene/build.h"
-#include "tafoni/scene/mesh_scene.h"
-#include "tafoni/scene/volume_scene.h"
+#include "tafoni/scene/build/build.h"
+#include "tafoni/scene/products/mesh_scene.h"
+#include "tafoni/scene/products/volume_scene.h"
+#include "tafoni/surface/polygonize.h"
 #include "tafoni/volume/sample.h"
 
 namespace {
@@ -124,11 +124,11 @@ void errors() {
     for (const double h : {2.0, 1.0, 0.5}) {
       const volume::ScalarGrid grid =
           volume::sample(truth, volume::frame_over({{-26, -26, -26}, {26, 26, 26}}, h), {});
-      mesh::PolygonizeSettings settings;
+      surface::PolygonizeSettings settings;
       settings.voxel = 0.37;
       settings.region = {{-25, -25, -25}, {25, 25, 25}};
       const mesh::Mesh mesh =
-          mesh::polygonize(field::compile(field::function(volume::as_function(grid))), settings);
+          surface::polygonize(field::compile(field::function(volume::as_function(grid))), settings);
       // The mesher's own straight edges err by its cell, so the grid's share is what the field of the grid
       // says.
       const auto [mean, worst] = strays(mesh, truth);
@@ -186,7 +186,7 @@ void karst(const fs::path& file, const fs::path& folder) {
     scene::set(document, words);
   const scene::BuiltScene built = scene::build(document);
   const mesh::Mesh direct = scene::mesh_scene(built).mesh;
-  const field::CompiledField truth = built.field_for(mesh::Boundary::solid);
+  const field::CompiledField truth = built.field_for(surface::Boundary::solid);
   const auto stray = [&](mesh::Mesh mesh) {
     const Vec3f shift = to_float(mesh.origin - built.terrain.origin);
     for (Vec3f& p : mesh.positions) p = p + shift;

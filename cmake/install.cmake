@@ -2,7 +2,6 @@
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/tafoni)
 
-get_property(modules GLOBAL PROPERTY TAFONI_MODULES)
 add_library(tafoni_umbrella INTERFACE)
 set_target_properties(tafoni_umbrella PROPERTIES EXPORT_NAME tafoni)
 target_link_libraries(tafoni_umbrella INTERFACE ${modules})

@@ -9,8 +9,8 @@
 #include "tafoni/grammar/solid.h"
 #include "tafoni/io/format.h"
 #include "tafoni/landforms/landform.h"
-#include "tafoni/scene/brush.h"
-#include "tafoni/scene/document.h"
+#include "tafoni/scene/document/document.h"
+#include "tafoni/scene/sculpt/brush.h"
 #include "tafoni/terrain/generator.h"
 
 namespace tafoni::cli {

@@ -11,7 +11,7 @@
 #include "tafoni/io/format.h"
 #include "tafoni/query/field_collider.h"
 #include "tafoni/query/mesh_collider.h"
-#include "tafoni/scene/mesh_scene.h"
+#include "tafoni/scene/products/mesh_scene.h"
 
 namespace tafoni::cli {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
-#include "tafoni/scene/build.h"
+#include "tafoni/scene/build/build.h"
 
 namespace tafoni::cli {
 namespace {

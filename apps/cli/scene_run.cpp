@@ -11,8 +11,8 @@
 #include "tafoni/core/atomic_file.h"
 #include "tafoni/io/format.h"
 #include "tafoni/mesh/texture.h"
-#include "tafoni/scene/mesh_scene.h"
-#include "tafoni/scene/volume_scene.h"
+#include "tafoni/scene/products/mesh_scene.h"
+#include "tafoni/scene/products/volume_scene.h"
 
 namespace tafoni::cli {
 
@@ -208,7 +208,7 @@ class TileFolder {
   TileFolder(const TileFolder&) = delete;
   TileFolder& operator=(const TileFolder&) = delete;
 
-  fs::path next(mesh::TileIndex index) {
+  fs::path next(surface::TileIndex index) {
     names_.push_back(
         fmt::format("{}_{}_{}{}", target_.stem().string(), index.x, index.y, target_.extension().string()));
     return folder_ / names_.back();
@@ -315,7 +315,7 @@ scene::MeshResult write_tiles(const scene::BuiltScene& scene, const std::vector<
   for (const std::string& file : files) folders.emplace_back(file);
   scene::MeshResult result = scene::mesh_scene_tiles(
       scene, static_cast<int>(*outputs.tiles),
-      [&](mesh::TileIndex index, mesh::Mesh&& tile) {
+      [&](surface::TileIndex index, mesh::Mesh&& tile) {
         if (tile.triangles.empty()) return;
         if (outputs.texture) mesh::box_texture(tile, *outputs.texture);
         for (std::size_t i = 0; i < files.size(); ++i)

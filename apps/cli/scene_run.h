@@ -12,8 +12,8 @@
 
 #include "tafoni/mesh/mesh.h"
 #include "tafoni/render/render.h"
-#include "tafoni/scene/build.h"
-#include "tafoni/scene/document.h"
+#include "tafoni/scene/build/build.h"
+#include "tafoni/scene/document/document.h"
 
 namespace tafoni::cli {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tafoni/core/error.h"
-#include "tafoni/scene/csv.h"
+#include "tafoni/io/csv.h"
 
 /// For mutate_main.cpp and as a first corpus.
 std::vector<std::string> fuzz_seeds();
@@ -37,12 +37,12 @@ void check(F&& parse) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   check([&] {
-    for (const auto& p : tafoni::scene::parse_primitives_csv(text, "fuzz.csv"))
+    for (const auto& p : tafoni::io::parse_primitives_csv(text, "fuzz.csv"))
       if (p.shape.empty() || !(p.shape[0] > 0) || !std::isfinite(p.position.x) || !std::isfinite(p.energy))
         std::abort();
   });
   check([&] {
-    if (tafoni::scene::parse_points_csv(text, "fuzz.csv").size() > size) std::abort();
+    if (tafoni::io::parse_points_csv(text, "fuzz.csv").size() > size) std::abort();
   });
   return 0;
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tafoni/core/error.h"
-#include "tafoni/scene/document.h"
+#include "tafoni/scene/document/document.h"
 
 /// For mutate_main.cpp and as a first corpus.
 std::vector<std::string> fuzz_seeds();

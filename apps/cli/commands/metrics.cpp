@@ -11,8 +11,8 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/io/format.h"
-#include "tafoni/scene/mesh_scene.h"
-#include "tafoni/scene/sgm.h"
+#include "tafoni/scene/products/mesh_scene.h"
+#include "tafoni/scene/products/sgm.h"
 
 namespace tafoni::cli {
 namespace {

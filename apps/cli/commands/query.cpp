@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "tafoni/core/parallel.h"
-#include "tafoni/scene/csv.h"
+#include "tafoni/io/csv.h"
 
 namespace tafoni::cli {
 namespace {
@@ -29,7 +29,7 @@ struct Text {
   std::string text, name;
 };
 Text read_table(const std::string& path) {
-  if (path != "-") return {scene::read_text(path), path};
+  if (path != "-") return {io::read_text(path), path};
   return {{std::istreambuf_iterator<char>(std::cin), {}}, "standard input"};
 }
 
@@ -129,7 +129,7 @@ int run(const Query& q, Console& console) {
   if (!q.points.empty()) {
     if (mesh) fail(ErrorKind::usage, "{}: a mesh has no field; --points needs a scene", q.scene_file);
     const Text table = read_table(q.points);
-    const std::vector<Vec3d> points = scene::parse_points_csv(table.text, table.name);
+    const std::vector<Vec3d> points = io::parse_points_csv(table.text, table.name);
     give(q, field_at(scene::build(*document, console), points, console.json(), console), console);
     return 0;
   }
@@ -138,7 +138,7 @@ int run(const Query& q, Console& console) {
     const Question& question = all_questions()[i];
     const Text table = read_table(q.questions[i]);
     QuestionTable asked{table.name, {}, {}};
-    asked.rows = scene::parse_numbers_csv(table.text, table.name, question.columns, &asked.lines);
+    asked.rows = io::parse_numbers_csv(table.text, table.name, question.columns, &asked.lines);
     const CollisionGround ground =
         mesh ? ground_of_mesh(q.scene_file) : ground_of_scene(scene::build(*document, console));
     give(q, answer(question, ground, asked, console).text(console.json()), console);

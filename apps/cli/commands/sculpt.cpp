@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tafoni/core/error.h"
-#include "tafoni/scene/csv.h"
+#include "tafoni/io/csv.h"
 #include "tafoni/scene/session.h"
 
 namespace tafoni::cli {
@@ -33,7 +33,7 @@ std::vector<scene::Stroke> strokes_of(const Sculpt& s) {
   const bool standard_input = s.strokes_file == "-";
   const std::string text =
       standard_input ? std::string(std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>())
-                     : scene::read_text(s.strokes_file);
+                     : io::read_text(s.strokes_file);
   const auto more = scene::parse_strokes(text, standard_input ? "standard input" : s.strokes_file);
   out.insert(out.end(), more.begin(), more.end());
   return out;

@@ -11,7 +11,7 @@
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/tree.h"
 #include "tafoni/geology/geology.h"
-#include "tafoni/landforms/region.h"
+#include "tafoni/landforms/site/region.h"
 #include "tafoni/raster/grid.h"
 
 namespace tafoni::landforms {

@@ -3,36 +3,36 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tafoni/mesh/impl/topology.h"
+#include "tafoni/mesh/inner/topology.h"
 
 namespace tafoni::mesh {
 namespace {
 
-using impl::Triangle;
+using inner::Triangle;
 
 std::vector<Triangle> sound_triangles(const Mesh& mesh) {
   std::vector<Triangle> out;
   out.reserve(mesh.triangles.size());
   for (const Triangle& t : mesh.triangles)
-    if (std::max({t[0], t[1], t[2]}) < mesh.positions.size() && !impl::repeats_vertex(t)) out.push_back(t);
+    if (std::max({t[0], t[1], t[2]}) < mesh.positions.size() && !inner::repeats_vertex(t)) out.push_back(t);
   return out;
 }
 
 void measure_edges(const Mesh& mesh, const std::vector<Triangle>& triangles, MeshMetrics& out) {
-  impl::Sets rims(mesh.positions.size());
+  inner::Sets rims(mesh.positions.size());
   std::vector<bool> on_rim(mesh.positions.size(), false);
   double sum = 0;
-  impl::for_each_edge(triangles, mesh.positions.size(),
-                      [&](std::uint32_t a, std::uint32_t b, std::uint32_t forward, std::uint32_t backward) {
-                        const double l = length(to_double(mesh.positions[a]) - to_double(mesh.positions[b]));
-                        out.shortest_edge = out.edges == 0 ? l : std::min(out.shortest_edge, l);
-                        out.longest_edge = std::max(out.longest_edge, l);
-                        sum += l;
-                        ++out.edges;
-                        if (forward + backward != 1) return;
-                        on_rim[a] = on_rim[b] = true;
-                        rims.join(a, b);
-                      });
+  inner::for_each_edge(triangles, mesh.positions.size(),
+                       [&](std::uint32_t a, std::uint32_t b, std::uint32_t forward, std::uint32_t backward) {
+                         const double l = length(to_double(mesh.positions[a]) - to_double(mesh.positions[b]));
+                         out.shortest_edge = out.edges == 0 ? l : std::min(out.shortest_edge, l);
+                         out.longest_edge = std::max(out.longest_edge, l);
+                         sum += l;
+                         ++out.edges;
+                         if (forward + backward != 1) return;
+                         on_rim[a] = on_rim[b] = true;
+                         rims.join(a, b);
+                       });
   if (out.edges) out.mean_edge = sum / static_cast<double>(out.edges);
   for (std::uint32_t v = 0; v < on_rim.size(); ++v) out.boundary_loops += on_rim[v] && rims.root(v) == v;
   out.closed = out.edges > 0 && out.boundary_loops == 0;
@@ -44,7 +44,7 @@ MeshMetrics metrics(const Mesh& mesh) {
   MeshMetrics out;
   const std::vector<Triangle> triangles = sound_triangles(mesh);
   out.triangles = triangles.size();
-  impl::Sets sets(mesh.positions.size());
+  inner::Sets sets(mesh.positions.size());
   std::vector<bool> used(mesh.positions.size(), false);
   // About the middle of the mesh, or the volume of a small solid far from zero would drown in rounding.
   Box3d box;
@@ -78,7 +78,7 @@ MeshMetrics metrics(const Mesh& mesh) {
 
 std::vector<std::uint32_t> vertex_components(const Mesh& mesh, std::uint32_t* count) {
   const std::size_t n = mesh.positions.size();
-  impl::Sets sets(n);
+  inner::Sets sets(n);
   for (const Triangle& t : mesh.triangles)
     if (std::max({t[0], t[1], t[2]}) < n) sets.join(t[0], t[1]), sets.join(t[1], t[2]);
   std::vector<std::uint32_t> out(n);

@@ -10,7 +10,7 @@ namespace tafoni::mesh {
 namespace {
 
 using impl::Patch;
-using impl::Triangle;
+using inner::Triangle;
 
 constexpr std::size_t patch_triangles = 20000, least_patch = 1000;
 constexpr int most_halvings = 4;

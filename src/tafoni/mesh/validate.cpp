@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "tafoni/mesh/impl/topology.h"
+#include "tafoni/mesh/inner/topology.h"
 
 namespace tafoni::mesh {
 namespace {
 
-using impl::Triangle;
+using inner::Triangle;
 
 bool finite(Vec3f p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
@@ -36,7 +36,7 @@ void check_triangles(const Mesh& mesh, MeshReport& report, std::vector<Triangle>
       ++report.index_errors;
       continue;
     }
-    if (impl::repeats_vertex(t)) {
+    if (inner::repeats_vertex(t)) {
       ++report.degenerate_triangles;
       continue;
     }
@@ -51,17 +51,17 @@ void check_triangles(const Mesh& mesh, MeshReport& report, std::vector<Triangle>
 }
 
 void check_edges(const std::vector<Triangle>& triangles, std::size_t vertices, MeshReport& report) {
-  impl::for_each_edge(triangles, vertices,
-                      [&](std::uint32_t, std::uint32_t, std::uint32_t forward, std::uint32_t backward) {
-                        if (forward + backward == 1) ++report.boundary_edges;
-                        if (forward + backward > 2) ++report.non_manifold_edges;
-                        if (forward + backward == 2 && forward != 1) ++report.orientation_conflicts;
-                      });
+  inner::for_each_edge(triangles, vertices,
+                       [&](std::uint32_t, std::uint32_t, std::uint32_t forward, std::uint32_t backward) {
+                         if (forward + backward == 1) ++report.boundary_edges;
+                         if (forward + backward > 2) ++report.non_manifold_edges;
+                         if (forward + backward == 2 && forward != 1) ++report.orientation_conflicts;
+                       });
 }
 
 void check_vertices(const Mesh& mesh, const std::vector<Triangle>& triangles, MeshReport& report) {
-  const impl::Incidence around = impl::incidence(triangles, mesh.positions.size());
-  impl::FanCounter fans;
+  const inner::Incidence around = inner::incidence(triangles, mesh.positions.size());
+  inner::FanCounter fans;
   std::vector<Triangle> keys;
   for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
     const std::span<const std::uint32_t> here = around.at(v);
@@ -115,7 +115,7 @@ MeshReport validate(const Mesh& mesh) {
   check_edges(sound, mesh.positions.size(), report);
   check_vertices(mesh, sound, report);
   check_normals(mesh, sound, report);
-  impl::Sets sets(mesh.positions.size());
+  inner::Sets sets(mesh.positions.size());
   std::vector<bool> used(mesh.positions.size(), false);
   for (const Triangle& t : sound) {
     sets.join(t[0], t[1]);

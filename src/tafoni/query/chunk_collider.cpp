@@ -14,7 +14,7 @@ constexpr int chunk_cells = volume::ScalarGrid::chunk_samples;
 
 }  // namespace
 
-ChunkShape::ChunkShape(mesh::GridChunkPtr mesh) : mesh_(std::move(mesh)) {}
+ChunkShape::ChunkShape(surface::GridChunkPtr mesh) : mesh_(std::move(mesh)) {}
 ChunkShape::~ChunkShape() = default;
 
 const impl::TriangleTree& ChunkShape::tree() const {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <mutex>
 
-#include "tafoni/mesh/grid_mesher.h"
 #include "tafoni/query/collider.h"
+#include "tafoni/surface/grid_mesher.h"
 #include "tafoni/volume/scalar_grid.h"
 
 namespace tafoni::query {
@@ -16,18 +16,18 @@ namespace tafoni::query {
 /// each, is made when a query first comes near, by any thread.
 class ChunkShape {
  public:
-  explicit ChunkShape(mesh::GridChunkPtr mesh);
+  explicit ChunkShape(surface::GridChunkPtr mesh);
   ~ChunkShape();
-  const mesh::GridChunkPtr& mesh() const { return mesh_; }
+  const surface::GridChunkPtr& mesh() const { return mesh_; }
   const impl::TriangleTree& tree() const;
 
  private:
-  mesh::GridChunkPtr mesh_;
+  surface::GridChunkPtr mesh_;
   mutable std::once_flag once_;
   mutable std::unique_ptr<const impl::TriangleTree> tree_;
 };
 
-/// Meets the triangles of mesh::GridMesher, bit for bit. Beyond the grid's frame all is air.
+/// Meets the triangles of surface::GridMesher, bit for bit. Beyond the grid's frame all is air.
 class ChunkCollider : public Collider {
  public:
   /// `find` gives a chunk's shape, null where it has no triangles; from any thread. It and the grid, whose

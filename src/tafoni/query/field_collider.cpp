@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "tafoni/mesh/bricks.h"
 #include "tafoni/query/impl/tile.h"
+#include "tafoni/surface/bricks.h"
 
 namespace tafoni::query {
 
@@ -71,7 +71,7 @@ Box3d surface_bounds(const field::CompiledField& field, double grain) {
 /// What one thread makes tiles with.
 struct FieldCollider::Worker {
   field::ChunkEvaluator evaluator;
-  mesh::BrickPolygonizer polygonizer;
+  surface::BrickPolygonizer polygonizer;
   field::ChunkSamples samples;
   mesh::Mesh mesh;
   bool prepared = false;

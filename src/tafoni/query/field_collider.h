@@ -17,8 +17,8 @@ struct FieldSettings {
   std::size_t cache_bytes = std::size_t{256} << 20;
 };
 
-/// Meets the triangles of mesh::polygonize() on the same lattice, bit for bit; small floating pieces that the
-/// mesh leaves out are met. A cube of 16^3 cells is evaluated when a query first comes near.
+/// Meets the triangles of surface::polygonize() on the same lattice, bit for bit; small floating pieces that
+/// the mesh leaves out are met. A cube of 16^3 cells is evaluated when a query first comes near.
 class FieldCollider : public LatticeCollider {
  public:
   /// Throws Error{usage} for a voxel that is too small for the region.

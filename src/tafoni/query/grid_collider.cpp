@@ -24,8 +24,8 @@ void GridChunks::update(const volume::ScalarGrid& grid, std::span<const volume::
   if (!(grid.frame() == grid_.frame()))
     fail(ErrorKind::usage, "a collider keeps its grid's frame: make a new one for another frame");
   grid_ = grid;
-  for (const mesh::GridMesher::Change& change : mesher_.update(grid_, changed, progress)) {
-    const mesh::GridChunkPtr mesh = mesher_.chunk(change.chunk);
+  for (const surface::GridMesher::Change& change : mesher_.update(grid_, changed, progress)) {
+    const surface::GridChunkPtr mesh = mesher_.chunk(change.chunk);
     if (mesh->triangles.empty())
       shapes_.erase(change.chunk);
     else

@@ -6,8 +6,8 @@
 #include <unordered_map>
 
 #include "tafoni/core/progress.h"
-#include "tafoni/mesh/grid_mesher.h"
 #include "tafoni/query/chunk_collider.h"
+#include "tafoni/surface/grid_mesher.h"
 #include "tafoni/volume/scalar_grid.h"
 
 namespace tafoni::query {
@@ -25,15 +25,15 @@ class GridChunks {
     std::size_t operator()(Vec3i v) const;
   };
   volume::ScalarGrid grid_;
-  mesh::GridMesher mesher_{{mesh::Boundary::solid, false}};
+  surface::GridMesher mesher_{{surface::Boundary::solid, false}};
   std::unordered_map<Vec3i, std::unique_ptr<const ChunkShape>, Hash> shapes_;
 };
 
 }  // namespace impl
 
-/// Meets the triangles of mesh::GridMesher, bit for bit: a closed solid, beyond whose frame all is air. Holds
-/// its own snapshot of the grid and its mesh; the index over a chunk's triangles is made when a query first
-/// comes near.
+/// Meets the triangles of surface::GridMesher, bit for bit: a closed solid, beyond whose frame all is air.
+/// Holds its own snapshot of the grid and its mesh; the index over a chunk's triangles is made when a query
+/// first comes near.
 class GridCollider : private impl::GridChunks, public ChunkCollider {
  public:
   explicit GridCollider(const volume::ScalarGrid& grid, Progress& progress = silent());

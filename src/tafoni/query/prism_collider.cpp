@@ -8,7 +8,7 @@
 
 namespace tafoni::query {
 
-using mesh::PrismMesher;
+using surface::PrismMesher;
 using volume::ColumnFrame;
 
 struct PrismCollider::Chunk {
@@ -16,7 +16,7 @@ struct PrismCollider::Chunk {
   std::unique_ptr<const impl::TriangleTree> tree;
 };
 
-PrismCollider::PrismCollider(const volume::PrismFields& fields, const mesh::PrismMeshSettings& settings)
+PrismCollider::PrismCollider(const volume::PrismFields& fields, const surface::PrismMeshSettings& settings)
     : fields_(fields), mesher_(settings) {
   const ColumnFrame& frame = fields_.frame();
   update(fields, {0, 0, frame.nx - 1, frame.ny - 1});
@@ -46,7 +46,7 @@ double PrismCollider::stride() const {
 const impl::TriangleTree& PrismCollider::tree(int a, int b) const {
   Chunk& chunk = *chunks_[static_cast<std::size_t>(b * mesher_.chunks_x() + a)];
   std::call_once(chunk.once, [&] {
-    const mesh::PrismChunk& mesh = mesher_.chunk({a, b});
+    const surface::PrismChunk& mesh = mesher_.chunk({a, b});
     std::vector<Vec3f> positions;
     positions.reserve(mesh.positions.size());
     for (const Vec3f& p : mesh.positions)

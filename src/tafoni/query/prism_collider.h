@@ -4,18 +4,18 @@
 #include <memory>
 #include <vector>
 
-#include "tafoni/mesh/prism_mesh.h"
 #include "tafoni/query/collider.h"
+#include "tafoni/surface/prism_mesher.h"
 #include "tafoni/volume/prism_field.h"
 
 namespace tafoni::query {
 
-/// Meets the triangles of mesh::PrismMesher, at their local positions rounded to float. Holds its own
+/// Meets the triangles of surface::PrismMesher, at their local positions rounded to float. Holds its own
 /// snapshot of the columns and their mesh; the index over a chunk's triangles is made when a query first
 /// comes near.
 class PrismCollider : public Collider {
  public:
-  explicit PrismCollider(const volume::PrismFields& fields, const mesh::PrismMeshSettings& settings = {});
+  explicit PrismCollider(const volume::PrismFields& fields, const surface::PrismMeshSettings& settings = {});
   ~PrismCollider() override;
 
   /// From now on the ground is `now`, of the same frame, which differs in the columns `changed` only: their
@@ -36,7 +36,7 @@ class PrismCollider : public Collider {
   const impl::TriangleTree& tree(int a, int b) const;
 
   volume::PrismFields fields_;
-  mesh::PrismMesher mesher_;
+  surface::PrismMesher mesher_;
   Box3d bounds_;
   std::vector<std::unique_ptr<Chunk>> chunks_;  ///< a fastest
 };

@@ -79,7 +79,7 @@ struct DestructibleTerrain::Impl {
     const std::lock_guard lock(published_mutex);
     return published;
   }
-  using MeshChanges = std::vector<mesh::GridMesher::Change>;
+  using MeshChanges = std::vector<surface::GridMesher::Change>;
   SnapshotPtr next(const MeshChanges& changes, std::size_t edits_made) const;
   void publish(SnapshotPtr now, const MeshChanges& changes);
   /// After edits that were not made, the mesher follows the grid back.
@@ -92,7 +92,7 @@ struct DestructibleTerrain::Impl {
   /// Serialises edits and guards all that only they use.
   std::mutex edit_mutex;
   impl::Ground ground;
-  mesh::GridMesher mesher;
+  surface::GridMesher mesher;
   bool mesher_in_step = true;  ///< its meshes are those of the published snapshot
   impl::StateHash hash;
   Digest base;

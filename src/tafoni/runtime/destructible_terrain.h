@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "tafoni/core/progress.h"
-#include "tafoni/mesh/grid_mesher.h"
 #include "tafoni/query/collider.h"
 #include "tafoni/runtime/journal.h"
 #include "tafoni/runtime/operation.h"
-#include "tafoni/scene/build.h"
+#include "tafoni/scene/build/build.h"
+#include "tafoni/surface/grid_mesher.h"
 #include "tafoni/volume/scalar_grid.h"
 
 namespace tafoni::runtime {
@@ -27,7 +27,7 @@ struct TerrainSettings {
   double band = 0;
   double above = 10, below = 10;  ///< metres that can be built above the highest and dug below the lowest
   /// None: the scene's own, and `solid` for a volume. An open terrain ends at its border without walls.
-  std::optional<mesh::Boundary> boundary;
+  std::optional<surface::Boundary> boundary;
   bool polygons = true;  ///< convex polygons for collision by other engines
   /// Allows Rewind. Keeps the ground as opened and at up to eight versions since, as far as they differ. To
   /// go back further costs every edit up to there.
@@ -43,9 +43,9 @@ struct TerrainSettings {
 /// Immutable: who holds one may read it in any thread, whatever happens to the terrain.
 struct Chunk {
   Vec3i index;
-  std::uint64_t version = 0;  ///< of the edit that changed it last
-  Vec3d origin;               ///< world position that the mesh's positions are relative to
-  mesh::GridChunkPtr mesh;    ///< never null; its own version is not the terrain's
+  std::uint64_t version = 0;   ///< of the edit that changed it last
+  Vec3d origin;                ///< world position that the mesh's positions are relative to
+  surface::GridChunkPtr mesh;  ///< never null; its own version is not the terrain's
 };
 
 /// The terrain at one version, immutable: samples, chunks and collisions that belong together. Any number of

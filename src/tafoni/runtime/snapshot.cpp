@@ -19,7 +19,7 @@ const query::Collider& Snapshot::collider() const {
 }
 
 Chunk Snapshot::chunk(Vec3i index) const {
-  static const auto nothing = std::make_shared<const mesh::GridChunkMesh>();
+  static const auto nothing = std::make_shared<const surface::GridChunkMesh>();
   const impl::ChunkEntry* entry = state_->chunks.find(index);
   if (!entry) return {index, 0, state_->origin, nothing};
   return {index, entry->version, state_->origin, entry->shape->mesh()};

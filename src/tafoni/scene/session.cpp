@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "tafoni/core/error.h"
-#include "tafoni/scene/csv.h"
-#include "tafoni/scene/impl/builder.h"
-#include "tafoni/scene/impl/sculpt.h"
+#include "tafoni/io/csv.h"
+#include "tafoni/scene/build/impl/builder.h"
+#include "tafoni/scene/sculpt/impl/sculpt.h"
 
 namespace tafoni::scene {
 
@@ -20,10 +20,10 @@ struct Session::State {
   impl::Builder builder;
   std::optional<impl::Built> built;
   std::map<fs::path, Journal> journals;
-  std::unique_ptr<mesh::IncrementalMesher> mesher;
-  std::optional<mesh::PolygonizeSettings> meshed;  ///< what the mesher was made for
-  const void* meshed_inside = nullptr;             ///< the same, of the domain's mask
-  std::vector<Box3d> unmeshed;                     ///< changed since the mesher's last update
+  std::unique_ptr<surface::IncrementalMesher> mesher;
+  std::optional<surface::PolygonizeSettings> meshed;  ///< what the mesher was made for
+  const void* meshed_inside = nullptr;                ///< the same, of the domain's mask
+  std::vector<Box3d> unmeshed;                        ///< changed since the mesher's last update
   impl::FileDigests files;
   impl::Recent<std::pair<fs::path, impl::Digest>, std::vector<impl::Slot>> texts{16};
 
@@ -55,7 +55,7 @@ struct Session::State {
     const fs::path resolved = document.resolved(path);
     return texts.get({resolved, files.of(resolved)}, [&] {
       std::vector<impl::Slot> out;
-      for (Stroke& stroke : parse_strokes(read_text(resolved), resolved.string()))
+      for (Stroke& stroke : parse_strokes(io::read_text(resolved), resolved.string()))
         out.push_back({std::make_shared<Stroke>(std::move(stroke)), false});
       return out;
     });
@@ -269,22 +269,22 @@ Update Session::update(Progress& progress) {
 
 namespace {
 
-bool same_lattice(const mesh::PolygonizeSettings& a, const mesh::PolygonizeSettings& b) {
+bool same_lattice(const surface::PolygonizeSettings& a, const surface::PolygonizeSettings& b) {
   return a.voxel == b.voxel && a.boundary == b.boundary && a.region.lo == b.region.lo &&
          a.region.hi == b.region.hi && a.min_fragment_volume == b.min_fragment_volume;
 }
 
 }  // namespace
 
-std::vector<mesh::IncrementalMesher::Change> Session::remesh(Progress& progress) {
+std::vector<surface::IncrementalMesher::Change> Session::remesh(Progress& progress) {
   State& s = *state_;
   if (!s.built) update(progress);
   const BuiltScene& scene = *s.built->scene;
   const field::CompiledField field = scene.field_for(scene.boundary());
   const auto settings = polygonize_settings(scene, field, scene.voxel);
-  const void* inside = scene.boundary() == mesh::Boundary::open ? scene.terrain.inside.get() : nullptr;
+  const void* inside = scene.boundary() == surface::Boundary::open ? scene.terrain.inside.get() : nullptr;
   if (!s.mesher || !same_lattice(*s.meshed, settings) || s.meshed_inside != inside) {
-    s.mesher = std::make_unique<mesh::IncrementalMesher>(settings);
+    s.mesher = std::make_unique<surface::IncrementalMesher>(settings);
     s.meshed = settings;
     s.meshed_inside = inside;
   }
@@ -293,7 +293,7 @@ std::vector<mesh::IncrementalMesher::Change> Session::remesh(Progress& progress)
   return changes;
 }
 
-const mesh::IncrementalMesher& Session::mesher() const {
+const surface::IncrementalMesher& Session::mesher() const {
   if (!state_->mesher) fail(ErrorKind::usage, "nothing is meshed yet");
   return *state_->mesher;
 }

@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "tafoni/core/progress.h"
-#include "tafoni/mesh/incremental.h"
-#include "tafoni/scene/build.h"
-#include "tafoni/scene/document.h"
-#include "tafoni/scene/journal.h"
-#include "tafoni/scene/mesh_scene.h"
+#include "tafoni/scene/build/build.h"
+#include "tafoni/scene/document/document.h"
+#include "tafoni/scene/products/mesh_scene.h"
+#include "tafoni/scene/sculpt/journal.h"
+#include "tafoni/surface/incremental.h"
 
 namespace tafoni::scene {
 
@@ -84,8 +84,8 @@ class Session {
   /// Brings the mesher up to the last update (made if there was none): only chunks of the lattice that the
   /// changed boxes touch are looked at. Gives the chunks whose mesh changed. The mesher lives as long as the
   /// session does not have to mesh on another lattice.
-  std::vector<mesh::IncrementalMesher::Change> remesh(Progress& progress = silent());
-  const mesh::IncrementalMesher& mesher() const;
+  std::vector<surface::IncrementalMesher::Change> remesh(Progress& progress = silent());
+  const surface::IncrementalMesher& mesher() const;
   /// remesh(), put together, coloured and simplified: what mesh_scene() makes of the scene, byte for byte.
   MeshResult mesh(Progress& progress = silent());
 

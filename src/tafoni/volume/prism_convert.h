@@ -7,7 +7,6 @@
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/function.h"
 #include "tafoni/raster/grid.h"
-#include "tafoni/volume/prism_cells.h"
 #include "tafoni/volume/prism_field.h"
 #include "tafoni/volume/scalar_grid.h"
 
@@ -41,11 +40,11 @@ struct PrismLeafSettings {
   double rounding = 0;
 };
 
-/// A leaf for construction trees. Unless it is rounded, its zero set is the surface that mesh::polygonize()
-/// makes (with DeadPoints::triangles), to rounding of numbers. Its values are first-order distances: of tops
-/// and bottoms the vertical distance over the slope's secant, which is the distance to the plane of the
-/// triangle; of walls the distance to the wall, within one cell of it. Beyond a cell from a wall and beside
-/// sharp edges they are only bounds.
+/// A leaf for construction trees. Unless it is rounded, its zero set is the surface that
+/// surface::polygonize() makes (with DeadPoints::triangles), to rounding of numbers. Its values are
+/// first-order distances: of tops and bottoms the vertical distance over the slope's secant, which is the
+/// distance to the plane of the triangle; of walls the distance to the wall, within one cell of it. Beyond a
+/// cell from a wall and beside sharp edges they are only bounds.
 field::FunctionPtr as_function(const PrismFields& fields, const PrismLeafSettings& settings = {});
 
 }  // namespace tafoni::volume

@@ -60,6 +60,12 @@ struct ColumnBlock {
   }
 };
 
+/// What becomes of a cell of the grid one of whose corners has no matter (document 000, figure 6).
+enum class DeadPoints {
+  triangles,  ///< a cell with one dead corner is half full
+  quads,      ///< a cell with a dead corner is empty
+};
+
 /// The ordered array P of prism-fields. In every column the active points of P[0], P[1], … lie over each
 /// other with air between: top of P[i] < bottom of P[k] for i < k. A column's matter as a set is exactly the
 /// difference or union of what it was with the tool's span (to float), less what is thinner than

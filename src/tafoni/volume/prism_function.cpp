@@ -2,6 +2,7 @@
 #include <cmath>
 #include <optional>
 
+#include "tafoni/volume/inner/prism_cells.h"
 #include "tafoni/volume/prism_convert.h"
 
 namespace tafoni::volume {

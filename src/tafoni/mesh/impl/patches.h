@@ -5,10 +5,16 @@
 #include <span>
 #include <vector>
 
-#include "tafoni/mesh/impl/topology.h"
+#include "tafoni/mesh/inner/topology.h"
 #include "tafoni/mesh/mesh.h"
 
 namespace tafoni::mesh::impl {
+
+using inner::FanCounter;
+using inner::for_each_edge;
+using inner::incidence;
+using inner::Incidence;
+using inner::Triangle;
 
 /// Some triangles of a mesh, before and after.
 struct Patch {

@@ -13,7 +13,7 @@
 #include "tafoni/mesh/convexity.h"
 #include "tafoni/mesh/cubes.h"
 #include "tafoni/mesh/metrics.h"
-#include "tafoni/mesh/polygonize.h"
+#include "tafoni/surface/polygonize.h"
 
 namespace tafoni::mesh {
 namespace {
@@ -71,10 +71,10 @@ field::CompiledField field_of(const Known& known) {
 }
 
 Mesh mesh_of(const Known& known, double voxel) {
-  PolygonizeSettings settings;
+  surface::PolygonizeSettings settings;
   settings.voxel = voxel;
   settings.region = around;
-  return polygonize(field_of(known), settings);
+  return surface::polygonize(field_of(known), settings);
 }
 
 /// The length by which a polygon of marching squares is shorter than a rectangle of these half widths: what

@@ -9,9 +9,9 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
-#include "tafoni/mesh/dense.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
+#include "tafoni/surface/dense.h"
 
 namespace tafoni::mesh {
 namespace {
@@ -27,7 +27,7 @@ Mesh surface(int nx, int ny, int nz, const F& f) {
         values.push_back(static_cast<float>(
             f(Vec3d{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)})));
   Mesh mesh;
-  polygonize_grid({values.data(), nx, ny, nz, 1.0}, true, mesh);
+  surface::polygonize_grid({values.data(), nx, ny, nz, 1.0}, true, mesh);
   return mesh;
 }
 

@@ -19,7 +19,7 @@ struct Order {
 /// A rough ground with hollows, cut off by the frame on all sides, of 3 x 3 x 2 chunks.
 struct Ground {
   volume::ScalarGrid grid{{{-17.3, -16.1, -15.2}, 0.5, {70, 68, 40}}, 0};
-  mesh::GridMesher mesher{{mesh::Boundary::solid, false}};
+  surface::GridMesher mesher{{surface::Boundary::solid, false}};
   std::map<Vec3i, std::unique_ptr<ChunkShape>, Order> shapes;
 
   Ground() {

@@ -6,9 +6,9 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/field/tree.h"
-#include "tafoni/mesh/polygonize.h"
 #include "tafoni/query/mesh_collider.h"
 #include "tafoni/query/test/meshes.h"
+#include "tafoni/surface/polygonize.h"
 
 namespace tafoni::query {
 namespace {
@@ -45,9 +45,9 @@ field::NodePtr hill(std::uint64_t seed, int passages = 12) {
 class FieldAndMesh : public ::testing::TestWithParam<double> {
  protected:
   FieldAndMesh() {
-    mesh::PolygonizeSettings settings;
+    surface::PolygonizeSettings settings;
     settings.voxel = GetParam();
-    mesh_ = mesh::polygonize(field_, settings);
+    mesh_ = surface::polygonize(field_, settings);
   }
   Vec3d somewhere(Random& random) const {
     return {random.uniform(-3, side + 3), random.uniform(-3, side + 3), random.uniform(-28, 14)};
@@ -198,9 +198,9 @@ TEST(FieldCollider, BadVoxelsAreErrors) {
 TEST(FieldCollider, ShapesFarLargerThanTheGroundAskOnlyTheGround) {
   const field::CompiledField field = field::compile(hill(1));
   const FieldCollider collider(field, {.voxel = 1});
-  mesh::PolygonizeSettings settings;
+  surface::PolygonizeSettings settings;
   settings.voxel = 1;
-  const MeshCollider peer(mesh::polygonize(field, settings));
+  const MeshCollider peer(surface::polygonize(field, settings));
   for (const double radius : {1e3, 1e12}) {
     const Sphere sphere{{30, 30, radius + 2}, radius};
     EXPECT_EQ(collider.overlaps(sphere), peer.overlaps(sphere));

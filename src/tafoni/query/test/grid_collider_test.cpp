@@ -20,7 +20,7 @@ volume::ScalarGrid wavy(Vec3d origin) {
 }
 
 mesh::Mesh mesh_of(const volume::ScalarGrid& grid) {
-  mesh::GridMesher mesher({mesh::Boundary::solid, false});
+  surface::GridMesher mesher({surface::Boundary::solid, false});
   mesher.update(grid, {});
   return mesher.assemble();
 }

@@ -30,12 +30,12 @@ PrismFields dug(Vec3d origin, int tools, std::uint64_t seed) {
 
 /// All chunks that are drawn.
 mesh::Mesh local_mesh(const PrismFields& fields) {
-  mesh::PrismMesher mesher;
+  surface::PrismMesher mesher;
   mesher.update(fields, {0, 0, fields.frame().nx - 1, fields.frame().ny - 1});
   mesh::Mesh all;
   for (int b = 0; b < mesher.chunks_y(); ++b)
     for (int a = 0; a < mesher.chunks_x(); ++a) {
-      const mesh::PrismChunk& chunk = mesher.chunk({a, b});
+      const surface::PrismChunk& chunk = mesher.chunk({a, b});
       mesh::Mesh part;
       part.triangles = chunk.triangles;
       for (const Vec3f& p : chunk.positions)

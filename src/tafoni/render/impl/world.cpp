@@ -5,7 +5,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
-#include "tafoni/mesh/palette.h"
+#include "tafoni/render/palette.h"
 
 namespace tafoni::render::impl {
 namespace {
@@ -70,13 +70,13 @@ Colors World::colors(std::optional<float> sea, Progress& progress) const {
     progress.check();
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const Vec3f p = mesh_.positions[i];
-      mesh::SurfacePoint point;
+      render::SurfacePoint point;
       point.position = to_double(p) + mesh_.origin;
       point.normal = normals[i];
       if (sea) point.height_above_sea = p.z - *sea;
       point.roofed = normals[i].z > 0.3f && tracer_.blocked(p + normals[i] * (4 * offset_), {0, 0, 1});
       point.spacing = spacing_;
-      colors[i] = mesh::to_rgba8(mesh::rock_palette(point));
+      colors[i] = render::to_rgba8(render::rock_palette(point));
     }
   });
   return colors;

@@ -8,7 +8,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/io/format.h"
-#include "tafoni/scene/mesh_scene.h"
+#include "tafoni/scene/products/mesh_scene.h"
 #include "tafoni/volume/sample.h"
 
 namespace tafoni::runtime::impl {
@@ -91,12 +91,12 @@ Ground ground_of(const scene::BuiltScene& scene, const TerrainSettings& settings
   check(settings);
   const double voxel = settings.voxel > 0 ? settings.voxel : scene.voxel;
   const double band = settings.band > 0 ? settings.band : 4 * voxel;
-  const mesh::Boundary boundary = settings.boundary.value_or(scene.boundary());
+  const surface::Boundary boundary = settings.boundary.value_or(scene.boundary());
   const field::CompiledField field = scene.field_for(boundary);
   Box3d box = field.bounds();
   if (box.empty())
     fail(ErrorKind::usage, "the scene has no surface, so that there is nothing to stand on or dig in");
-  if (boundary == mesh::Boundary::open) {
+  if (boundary == surface::Boundary::open) {
     const Box3d& sides = scene.terrain.box;
     box = {{sides.lo.x, sides.lo.y, box.lo.z - settings.below}, {sides.hi.x, sides.hi.y, box.hi.z}};
   } else {
@@ -120,7 +120,7 @@ Ground ground_of(ScalarGrid grid, Vec3d origin, const TerrainSettings& settings)
   const Interval range = grid.range(grid.frame().box());
   const double most = std::max(std::abs(range.lo), std::abs(range.hi));
   if (!(most > 0)) fail(ErrorKind::usage, "the volume is 0 throughout, so that it has neither rock nor air");
-  return {std::move(grid), origin, settings.boundary.value_or(mesh::Boundary::solid), most};
+  return {std::move(grid), origin, settings.boundary.value_or(surface::Boundary::solid), most};
 }
 
 Ground read_ground(const std::filesystem::path& file, const TerrainSettings& settings, Progress& progress) {

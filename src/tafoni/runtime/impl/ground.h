@@ -12,7 +12,7 @@ namespace tafoni::runtime::impl {
 struct Ground {
   volume::ScalarGrid grid;
   Vec3d origin;  ///< world position of local zero
-  mesh::Boundary boundary = mesh::Boundary::solid;
+  surface::Boundary boundary = surface::Boundary::solid;
   double band = 0;  ///< greatest magnitude of a value
 };
 

@@ -25,7 +25,7 @@ using volume::Edit;
 using volume::Tool;
 
 TEST(DestructibleTerrain, LocalMeshesEqualTheWholeByteForByte) {
-  for (const auto boundary : {mesh::Boundary::open, mesh::Boundary::solid})
+  for (const auto boundary : {surface::Boundary::open, surface::Boundary::solid})
     for (const auto precision : {volume::Precision::single, volume::Precision::half}) {
       TerrainSettings settings;
       settings.boundary = boundary;
@@ -35,7 +35,7 @@ TEST(DestructibleTerrain, LocalMeshesEqualTheWholeByteForByte) {
         terrain.apply(random_operation(i, box, 4));
         if (i % 12 != 0) continue;
         const SnapshotPtr now = terrain.snapshot();
-        mesh::GridMesher anew({boundary, true});
+        surface::GridMesher anew({boundary, true});
         anew.update(now->grid(), {});
         ASSERT_EQ(now->chunks(), anew.chunks());
         for (const Vec3i c : anew.chunks()) ASSERT_TRUE(same(*now->chunk(c).mesh, *anew.chunk(c))) << i;
@@ -78,7 +78,7 @@ TEST(DestructibleTerrain, OldSnapshotsStayAsTheyWere) {
   DestructibleTerrain terrain = hills({});
   const SnapshotPtr old = terrain.snapshot();
   const volume::ScalarGrid grid = old->grid();
-  std::vector<mesh::GridChunkMesh> meshes;
+  std::vector<surface::GridChunkMesh> meshes;
   for (const Vec3i c : old->chunks()) meshes.push_back(*old->chunk(c).mesh);
   const Box3d box = world_box(terrain);
   for (std::uint64_t i = 0; i < 100; ++i) terrain.apply(random_operation(i, box, 4));
@@ -340,7 +340,7 @@ TEST(DestructibleTerrain, OpensScenesAndVolumes) {
   const auto ground = now->ray(now->origin() + Vec3d{0, 0, 500}, {0, 0, -1}, 1000);
   ASSERT_TRUE(ground);
   const scene::BuiltScene scene = scene::build(scene::load_scene(root / "a.toml"));
-  EXPECT_NEAR(scene.field_for(mesh::Boundary::solid).value(ground->point - scene.terrain.origin), 0, 0.3);
+  EXPECT_NEAR(scene.field_for(surface::Boundary::solid).value(ground->point - scene.terrain.origin), 0, 0.3);
   EXPECT_EQ(now->origin(), scene.terrain.origin);
 
   io::write_volume(root / "a.tvol", {now->grid(), now->origin(), {}});

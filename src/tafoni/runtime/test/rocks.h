@@ -37,7 +37,7 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-inline bool same(const mesh::GridChunkMesh& a, const mesh::GridChunkMesh& b) {
+inline bool same(const surface::GridChunkMesh& a, const surface::GridChunkMesh& b) {
   return same_bytes(a.positions, b.positions) && same_bytes(a.normals, b.normals) &&
          same_bytes(a.triangles, b.triangles) && same_bytes(a.polygons.voxels, b.polygons.voxels) &&
          same_bytes(a.polygons.first, b.polygons.first) && same_bytes(a.polygons.begin, b.polygons.begin) &&

@@ -54,7 +54,7 @@ TEST_F(TerrainJournal, TenThousandEditsComeBackByteForByte) {
     terrain.apply(random_operation(i, box, 2));
     if (i % 1000 != 999) continue;
     const SnapshotPtr now = terrain.snapshot();
-    mesh::GridMesher anew({mesh::Boundary::solid, false});
+    surface::GridMesher anew({surface::Boundary::solid, false});
     anew.update(now->grid(), {});
     for (const Vec3i c : anew.chunks()) ASSERT_TRUE(same(*now->chunk(c).mesh, *anew.chunk(c))) << i;
   }

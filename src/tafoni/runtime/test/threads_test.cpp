@@ -42,7 +42,7 @@ class Mirror {
  private:
   std::uint64_t version_ = 0;
   std::map<Vec3i, std::uint64_t, Order> last_;
-  std::map<Vec3i, mesh::GridChunkPtr, Order> chunks_;
+  std::map<Vec3i, surface::GridChunkPtr, Order> chunks_;
 };
 
 /// What players do: everything that a snapshot says must fit together.

@@ -10,7 +10,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/landforms/landform.h"
-#include "tafoni/scene/document.h"
+#include "tafoni/scene/document/document.h"
 
 namespace tafoni::scene {
 

@@ -7,7 +7,7 @@
 
 #include "tafoni/query/field_collider.h"
 #include "tafoni/query/routes.h"
-#include "tafoni/scene/build.h"
+#include "tafoni/scene/build/build.h"
 
 namespace tafoni::scene {
 namespace {
@@ -25,7 +25,7 @@ std::vector<Vec3d> route_of(const BuiltScene& scene) {
 
 void walk_in_and_out(const Document& document, double voxel) {
   const BuiltScene scene = build(document);
-  const field::CompiledField field = scene.field_for(mesh::Boundary::solid);
+  const field::CompiledField field = scene.field_for(surface::Boundary::solid);
   const query::FieldCollider ground(field, {.voxel = voxel});
   std::vector<Vec3d> way = route_of(scene);
   ASSERT_GE(way.size(), 6u);

@@ -8,8 +8,8 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/test_folder.h"
-#include "tafoni/scene/csv.h"
-#include "tafoni/scene/impl/sculpt.h"
+#include "tafoni/io/csv.h"
+#include "tafoni/scene/sculpt/impl/sculpt.h"
 
 namespace tafoni::scene {
 namespace {
@@ -130,7 +130,7 @@ TEST_F(SessionScene, AnyHistoryBuildsAndMeshesAsAFreshBuildDoes) {
   EXPECT_GT(meshed_less, 20);
   session.save();
   EXPECT_TRUE(same_mesh(session.mesh().mesh, mesh_scene(build(load_scene(file))).mesh));
-  EXPECT_THAT(read_text(file), HasSubstr("voxel = 2   # coarse"));
+  EXPECT_THAT(io::read_text(file), HasSubstr("voxel = 2   # coarse"));
 }
 
 TEST_F(SessionScene, RunsOnlyWhatChangedAndWhatComesAfter) {
@@ -209,9 +209,9 @@ TEST_F(SessionScene, StrokesSurviveARestartAndTheSceneKeepsItsComments) {
     session.stroke(layer, parse_stroke("sphere at=50,30,10", "test"));
     session.undo(layer);
   }
-  EXPECT_THAT(read_text(file), HasSubstr("# a scene of mine"));
-  EXPECT_THAT(read_text(file), HasSubstr("voxel = 2   # coarse"));
-  EXPECT_THAT(read_text(file), HasSubstr("journal = \"s.dig.journal\""));
+  EXPECT_THAT(io::read_text(file), HasSubstr("# a scene of mine"));
+  EXPECT_THAT(io::read_text(file), HasSubstr("voxel = 2   # coarse"));
+  EXPECT_THAT(io::read_text(file), HasSubstr("journal = \"s.dig.journal\""));
   Session session = Session::open(file);
   const std::size_t layer = session.sculpt_layer("dig");
   EXPECT_EQ(session.strokes(layer).size(), 1u);
@@ -242,7 +242,7 @@ TEST_F(SessionScene, WhatComesLastWins) {
     const BuiltScene s = build(load_scene(write(
         "s.toml",
         std::string(ground) + "depth = 40\n[[layer]]\ntype = \"sculpt\"\nstrokes = \"" + strokes + "\"\n")));
-    return s.field_for(mesh::Boundary::open).value(s.terrain.to_local(at));
+    return s.field_for(surface::Boundary::open).value(s.terrain.to_local(at));
   };
   EXPECT_LT(value("a.strokes", {40, 30, -8}), 0);
   EXPECT_GT(value("b.strokes", {40, 30, -8}), 0);

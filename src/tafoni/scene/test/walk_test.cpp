@@ -11,7 +11,7 @@
 #include "tafoni/query/field_collider.h"
 #include "tafoni/query/mesh_collider.h"
 #include "tafoni/query/walks.h"
-#include "tafoni/scene/mesh_scene.h"
+#include "tafoni/scene/products/mesh_scene.h"
 
 namespace tafoni::scene {
 namespace {
@@ -53,11 +53,11 @@ TEST_P(Walks, AreCompletedWithoutEnteringTheRock) {
   const BuiltScene scene =
       build(load_scene(std::string(TAFONI_SOURCE_DIR) + "/examples/" + expected.scene + ".toml"));
   const field::CompiledField field = scene.field_for(scene.boundary());
-  mesh::PolygonizeSettings settings = polygonize_settings(scene, field, scene.voxel);
+  surface::PolygonizeSettings settings = polygonize_settings(scene, field, scene.voxel);
   settings.min_fragment_volume = 0;
   settings.normals = false;
   const query::FieldCollider ground(field, {.voxel = scene.voxel, .region = settings.region});
-  const query::MeshCollider mesh(expected.whole_mesh ? mesh::polygonize(field, settings) : mesh::Mesh{});
+  const query::MeshCollider mesh(expected.whole_mesh ? surface::polygonize(field, settings) : mesh::Mesh{});
   std::atomic<double> worst_value{-1e9}, worst_mesh{0};
   std::atomic<int> deep{0};
   const auto raise = [](std::atomic<double>& most, double value) {

@@ -1,0 +1,298 @@
+#include <algorithm>
+#include <cmath>
+
+#include "tafoni/core/parallel.h"
+#include "tafoni/core/random.h"
+#include "tafoni/landforms/canyon/slot.h"
+#include "tafoni/landforms/canyon/streams.h"
+#include "tafoni/landforms/landform.h"
+#include "tafoni/landforms/rock/erosion.h"
+#include "tafoni/landforms/site/ground.h"
+#include "tafoni/landforms/site/surface.h"
+#include "tafoni/math/noise.h"
+
+namespace tafoni::landforms {
+namespace {
+
+using impl::Ground;
+using impl::Streams;
+
+struct Params {
+  double threshold = 0.05;
+  double catchment = 0;
+  double flood = 0;
+  double banks = 0;
+  double height = 0;
+  double retreat = 0;
+  double radius = 0;
+  double spacing = 0;
+  double undercut = 0.85;
+  double bed = 0.08;
+  double beta = 0.2;
+  double cutoff = 0.12;
+  double roughness = 0.5;
+  double slot_depth = 0;
+  double slot_width = 0;
+  std::int64_t slots = 1;
+  double winding = 0.6;
+};
+
+const ParamTable<Params>& table() {
+  static const ParamTable<Params> params = [] {
+    ParamTable<Params> t;
+    t.real("threshold", &Params::threshold, "", 0, 1,
+           "share of the terrain's greatest stream power from which water is a river")
+        .real(
+            "catchment", &Params::catchment, "m2", 0, 1e12,
+            "area that a river drains at least, 0 for 0.4 % of the terrain and more than a plain slope sheds")
+        .real("flood", &Params::flood, "m", 0, 500,
+              "how high floods rise above the bed and cover flats beside it, 0 for 0.8 times the radius")
+        .real("banks", &Params::banks, "m", 0, 5000,
+              "how far from the ground they cover floods act, 0 for four times the radius")
+        .real("height", &Params::height, "m", 0, 5000,
+              "how far above the bed floods act, 0 for twelve times the radius")
+        .real("retreat", &Params::retreat, "m", 0, 500,
+              "how deep the softest rock is cut under full stress, 0 for five times the radius")
+        .real("radius", &Params::radius, "m", 0, 500,
+              "reach of one carving primitive, 0 for 2.5 m or 1.2 pixels of the terrain, whichever is more")
+        .real("spacing", &Params::spacing, "m", 0, 500,
+              "least distance between places that are carved, 0 for 0.6 times the radius")
+        .real("undercut", &Params::undercut, "", 0, 1,
+              "how much more walls give way that the river runs against")
+        .real("bed", &Params::bed, "", 0, 1, "how much the bed itself is cut, as a share of what walls are")
+        .real("beta", &Params::beta, "", 0, 1, "effect of full stress on the most resistant rock")
+        .real("cutoff", &Params::cutoff, "", 0, 1, "erosion effect below which nothing is carved")
+        .real("roughness", &Params::roughness, "", 0, 1, "unevenness of what is carved")
+        .real("slot_depth", &Params::slot_depth, "m", 0, 1000,
+              "depth of the slot canyons cut into the beds of the strongest rivers, 0 for none; the terrain "
+              "needs as much "
+              "rock below")
+        .real("slot_width", &Params::slot_width, "m", 0, 200,
+              "width of a slot canyon, 0 for twice the radius")
+        .integer("slots", &Params::slots, "", 1, 100,
+                 "how many rivers run in slot canyons, the strongest first")
+        .real("winding", &Params::winding, "", 0, 1, "how far the walls of slot canyons lean over");
+    return t;
+  }();
+  return params;
+}
+
+/// Zeros replaced by what suits the terrain's pixels.
+Params settled(Params p, const Ground& ground) {
+  const auto& heights = *ground.site().heights;
+  const auto pick = [](double& value, double otherwise) { value = value > 0 ? value : otherwise; };
+  const double width = heights.placement.dx * heights.width(),
+               height = heights.placement.dy * heights.height();
+  pick(p.catchment, std::max(0.004 * width * height, 4 * std::hypot(width, height) * ground.pixel()));
+  pick(p.radius, std::max(2.5, 1.2 * ground.pixel()));
+  pick(p.spacing, 0.6 * p.radius);
+  pick(p.flood, 0.8 * p.radius);
+  pick(p.banks, 4 * p.radius);
+  pick(p.height, 12 * p.radius);
+  pick(p.retreat, 5 * p.radius);
+  pick(p.slot_width, 2 * p.radius);
+  return p;
+}
+
+class CanyonWalls {
+ public:
+  CanyonWalls(const Site& site, const Params& p, Progress& progress)
+      : ground_(site), p_(settled(p, ground_)), progress_(progress) {}
+
+  Result run() {
+    Result result;
+    if (ground_.box().empty()) return report(std::move(result), 0);
+    const Streams streams(ground_, {p_.threshold, p_.catchment, p_.flood, p_.banks}, progress_);
+    streams_ = &streams;
+    if (streams.cells() > 0) {
+      if (p_.slot_depth > 0) add(slots(), result);
+      add(walls(), result);
+    }
+    return report(std::move(result), streams.cells());
+  }
+
+ private:
+  void add(field::NodePtr node, Result& result) {
+    if (node) result.nodes.push_back(std::move(node));
+  }
+
+  static Vec3d horizontal(Vec3f normal) {
+    return normalized(Vec3d{to_double(normal).x, to_double(normal).y, 0});
+  }
+
+  /// sigma: the flood's, falling off upwards, more where the river runs against the wall.
+  double stress(const SurfacePoint& at) const {
+    const Streams::Bank bank = streams_->at(at.position);
+    if (!(bank.stress > 0)) return 0;
+    const double above = (at.position.z - bank.bed) / p_.height;
+    if (above >= 1) return 0;
+    const double low = above > 0 ? (1 - above * above) * (1 - 0.5 * above) : 1;
+    const double nz = static_cast<double>(at.normal.z);
+    const double wall = smoothstep(0, 0.35, 0.92 - nz) * (nz < 0 ? 1 + 0.7 * nz : 1);
+    const double flood = std::min(1.0, 1.15 * std::sqrt(bank.stress)) * low;
+    // The effect is never above the stress, so that what cannot reach the cutoff need not be looked at
+    // closer.
+    if (flood * (p_.bed + (1 - p_.bed) * wall) < p_.cutoff) return 0;
+    return flood * (p_.bed + (1 - p_.bed) * wall * against(at, bank)) * ground_.weight(at.position);
+  }
+
+  /// 1 where the water comes towards the wall, 1 - undercut where it leaves it. What counts is the flow a
+  /// little upstream: beside the wall it has already turned.
+  double against(const SurfacePoint& at, const Streams::Bank& bank) const {
+    const Vec3d back{-bank.flow.x, -bank.flow.y, 0};
+    const Streams::Bank before = streams_->at(at.position + back * p_.banks);
+    const Vec2d flow = before.stress > 0 ? before.flow : bank.flow;
+    const Vec3d wall = horizontal(at.normal);
+    const double into = -(flow.x * wall.x + flow.y * wall.y);
+    return 1 - p_.undercut * (0.5 - 0.5 * std::clamp(2.5 * into, -1.0, 1.0));
+  }
+
+  /// A factor, smooth over several primitives, or neighbours would bore holes of their own instead of one
+  /// notch.
+  std::vector<float> unevenness(const std::vector<SurfacePoint>& places) const {
+    std::vector<Vec3d> scaled(places.size());
+    for (std::size_t i = 0; i < places.size(); ++i)
+      scaled[i] = (places[i].position + ground_.site().origin) * (0.2 / p_.radius);
+    std::vector<float> out(places.size());
+    fbm(scaled, 2, hash_combine(ground_.site().seed, 0xa1), out);
+    const auto strength = static_cast<float>(2.4 * p_.roughness);
+    for (float& t : out) t = std::max(0.0f, 1 + strength * (t - 0.5f));
+    return out;
+  }
+
+  /// rho, averaged along the bed for the same reason.
+  std::vector<float> resistances(const std::vector<SurfacePoint>& places) const {
+    std::vector<float> out(places.size(), 0.5f);
+    if (!ground_.site().geology) return out;
+    std::vector<Vec3d> points;
+    points.reserve(3 * places.size());
+    for (const SurfacePoint& at : places) {
+      const Vec3d wall = horizontal(at.normal);
+      const Vec3d aside = Vec3d{-wall.y, wall.x, 0} * (1.6 * p_.radius), in = wall * (-0.8 * p_.radius);
+      points.insert(points.end(), {at.position, at.position + in + aside, at.position + in - aside});
+    }
+    std::vector<float> rho(points.size());
+    ground_.site().geology->resistances(points, rho);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = (rho[3 * i] + rho[3 * i + 1] + rho[3 * i + 2]) / 3;
+    return out;
+  }
+
+  struct Attack {
+    SurfacePoint at;
+    double effect;
+  };
+
+  std::vector<Attack> attacks() {
+    SurfaceSampling sampling;
+    sampling.spacing = p_.spacing;
+    sampling.box = ground_.box();
+    sampling.seed = hash_combine(ground_.site().seed, 0xa0);
+    sampling.maybe = [this](Vec3d p, double around) { return streams_->near(p, around, p_.height); };
+    // The effect is never above the stress.
+    sampling.accept = [this](const SurfacePoint& at) {
+      return stress(at) >= std::max(p_.cutoff, 1e-6) && ground_.usable(at.position);
+    };
+    const auto field = field::compile(ground_.site().terrain);
+    const auto points = sample_surface(field, sampling, progress_);
+    const auto rho = resistances(points), uneven = unevenness(points);
+    std::vector<Attack> attacks;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double e = erosion_effect(static_cast<double>(rho[i]), stress(points[i]), p_.beta);
+      if (e >= p_.cutoff && uneven[i] > 0) attacks.push_back({points[i], e * static_cast<double>(uneven[i])});
+    }
+    return attacks;
+  }
+
+  struct Cut {
+    Vec3d center, behind;
+    double radius;
+    double share;  ///< of what it takes to open the rock behind too
+  };
+
+  /// Each place is cut by a row of points that leads into the rock, mostly level: rivers undercut.
+  std::vector<Cut> cuts() {
+    std::vector<Cut> out;
+    Random random(ground_.site().seed, 0xa2);
+    const double step = 0.5 * p_.radius;
+    for (const Attack& a : attacks()) {
+      strongest_ = std::max(strongest_, a.effect);
+      const Vec3d inward = normalized(horizontal(a.at.normal) * -1.0 - to_double(a.at.normal) * 0.35);
+      const double depth = p_.retreat * a.effect;
+      const int row = 1 + static_cast<int>(std::max(0.0, depth - 0.2 * p_.radius) / step);
+      for (int k = 0; k < row; ++k) {
+        const Vec3d center = a.at.position + inward * (k * step);
+        if (!ground_.usable(center)) break;
+        out.push_back({center, center + inward * step, p_.radius * random.uniform(0.9, 1.1),
+                       std::clamp((depth - k * step) / (0.7 * p_.radius), 0.0, 1.0)});
+      }
+    }
+    return out;
+  }
+
+  /// Together the points of a place take away what rock there is. Behind a wall's face that is soon all the
+  /// terrain's amplitude, however near the face.
+  field::NodePtr walls() {
+    const auto all = cuts();
+    std::vector<Vec3d> probes;
+    for (const Cut& cut : all) probes.insert(probes.end(), {cut.center, cut.behind});
+    std::vector<float> rock(probes.size());
+    field::compile(ground_.site().terrain).values(probes, rock);
+    // Dart throwing leaves about 0.7 samples a spacing squared; a point integrates to E pi R^2 / 4 over a
+    // plane, and rows add to one another.
+    const double together = std::max(1.0, 0.7 * 0.785 * (p_.radius / p_.spacing) * (p_.radius / p_.spacing));
+    field::CloudBuilder cloud{field::CloudSettings{}};
+    for (std::size_t i = 0; i < all.size(); ++i)
+      add_point(cloud, all[i].center, all[i].radius,
+                -energy(all[i], rock[2 * i], rock[2 * i + 1]) / together);
+    primitives_ += static_cast<std::int64_t>(cloud.size());
+    return cloud.size() > 0 ? cloud.finish() : nullptr;
+  }
+
+  double energy(const Cut& cut, float here, float behind) const {
+    const double most = std::max({0.0, static_cast<double>(here), static_cast<double>(behind)});
+    return cut.share * (most + 0.4 * p_.radius);
+  }
+
+  field::NodePtr slots() {
+    field::CloudBuilder cloud{field::CloudSettings{}};
+    impl::SlotSettings settings{p_.slot_depth, p_.slot_width, p_.winding, p_.beta,
+                                hash_combine(ground_.site().seed, 0xa3)};
+    for (const Streams::Course& course : streams_->courses(static_cast<std::size_t>(p_.slots)))
+      slot_length_ += carve_slot(cloud, ground_, course, settings);
+    primitives_ += static_cast<std::int64_t>(cloud.size());
+    return cloud.size() > 0 ? cloud.finish() : nullptr;
+  }
+
+  Result report(Result result, std::size_t cells) const {
+    const double pixel = ground_.site().heights->placement.dx * ground_.site().heights->placement.dy;
+    result.report = {{"primitives", primitives_},
+                     {"river_bed_m2", static_cast<double>(cells) * pixel},
+                     {"strongest_effect", strongest_},
+                     {"slot_length_m", slot_length_}};
+    return result;
+  }
+
+  Ground ground_;
+  Params p_;
+  Progress& progress_;
+  const Streams* streams_ = nullptr;
+  std::int64_t primitives_ = 0;
+  double strongest_ = 0, slot_length_ = 0;
+};
+
+Result generate(const Site& site, const Values& values, Progress& progress) {
+  Params p;
+  assign(table().infos(), &p, values, "canyon");
+  return CanyonWalls(site, p, progress).run();
+}
+
+}  // namespace
+
+const LandformType& landform_canyon() {
+  static const LandformType type{
+      "canyon", "Walls that rivers undercut, most at outer bends and in soft beds, and slot canyons",
+      "Paris et al. 2019, section 6.1", table().infos(), &generate};
+  return type;
+}
+
+}  // namespace tafoni::landforms

@@ -1,0 +1,275 @@
+#include "tafoni/landforms/canyon/streams.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "tafoni/core/parallel.h"
+#include "tafoni/landforms/rock/erosion.h"
+#include "tafoni/terrain/analysis.h"
+
+namespace tafoni::landforms::impl {
+namespace {
+
+constexpr int tile = 8;
+constexpr double least_slope = 0.02, greatest_slope = 0.35;
+
+/// A box mean of `radius` cells along rows, then columns, over several channels at once; cells beyond the rim
+/// count as 0.
+template <std::size_t n>
+void blur(raster::Grid<std::array<float, n>>& grid, int radius) {
+  using Cell = std::array<float, n>;
+  const float scale = 1 / static_cast<float>(2 * radius + 1);
+  const auto line = [&](Cell* data, int count, std::ptrdiff_t stride, std::vector<Cell>& copy) {
+    for (int i = 0; i < count; ++i) copy[static_cast<std::size_t>(i)] = data[i * stride];
+    // In double: what is added and taken off again must leave exactly nothing behind.
+    std::array<double, n> sum{};
+    const auto add = [&](int i, double sign) {
+      if (i < 0 || i >= count) return;
+      for (std::size_t k = 0; k < n; ++k)
+        sum[k] += sign * static_cast<double>(copy[static_cast<std::size_t>(i)][k]);
+    };
+    for (int i = 0; i < radius; ++i) add(i, 1);
+    for (int i = 0; i < count; ++i) {
+      add(i + radius, 1);
+      add(i - radius - 1, -1);
+      for (std::size_t k = 0; k < n; ++k) data[i * stride][k] = static_cast<float>(sum[k]) * scale;
+    }
+  };
+  parallel_blocks(grid.height(), 16, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<Cell> copy(static_cast<std::size_t>(grid.width()));
+    for (auto row = static_cast<int>(begin); row < end; ++row) line(grid.row(row), grid.width(), 1, copy);
+  });
+  parallel_blocks(grid.width(), 16, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<Cell> copy(static_cast<std::size_t>(grid.height()));
+    for (auto col = static_cast<int>(begin); col < end; ++col)
+      line(grid.data() + col, grid.height(), grid.width(), copy);
+  });
+}
+
+}  // namespace
+
+Streams::Streams(const Ground& ground, const StreamSettings& settings, Progress& progress)
+    : ground_(ground), settings_(settings) {
+  filled_ = *ground.site().heights;
+  if (ground.site().valid)
+    for (std::size_t i = 0; i < filled_.values.size(); ++i)
+      if (!ground.site().valid->data()[i]) filled_.values.data()[i] = raster::no_data;
+  filled_.values = terrain::fill_depressions(filled_, {}, progress);
+  area_ = terrain::drainage_area(filled_, 1.1, progress);
+  stress_ = power(progress);
+  spread();
+}
+
+/// Whether a cell is one of the outermost three, along which water runs that ought to leave the map.
+bool Streams::rim(int col, int row) const {
+  for (int dr = -3; dr <= 3; ++dr)
+    for (int dc = -3; dc <= 3; ++dc)
+      if (!filled_.values.inside(col + dc, row + dr) || std::isnan(filled_.values.at(col + dc, row + dr)))
+        return true;
+  return false;
+}
+
+/// Stream power in the river's bed as a share of the greatest, 0 elsewhere.
+raster::Grid<float> Streams::power(Progress& progress) {
+  raster::Grid<float> slope = terrain::slope(filled_, progress);
+  for (float& s : slope.values())
+    s = std::isnan(s) ? 0
+                      : std::clamp(s, static_cast<float>(least_slope), static_cast<float>(greatest_slope));
+  raster::Grid<std::array<float, 1>> mean(slope.width(), slope.height());
+  for (std::size_t i = 0; i < slope.size(); ++i) mean.data()[i] = {slope.data()[i]};
+  blur(mean, 2);
+  for (std::size_t i = 0; i < slope.size(); ++i) slope.data()[i] = mean.data()[i][0];
+  raster::Grid<float> power = terrain::stream_power(area_, slope);
+  float greatest = 0;
+  for (int row = 0; row < power.height(); ++row)
+    for (int col = 0; col < power.width(); ++col) {
+      const float area = area_.at(col, row);
+      float& p = power.at(col, row);
+      if (!(area >= static_cast<float>(settings_.catchment)) || rim(col, row)) p = 0;
+      greatest = std::max(greatest, p);
+    }
+  for (float& p : power.values()) {
+    p = greatest > 0 ? p / greatest : 0;
+    if (p < static_cast<float>(settings_.threshold)) p = 0;
+    cells_ += p > 0;
+  }
+  return power;
+}
+
+/// Water that rises above the bed covers the flats beside it: `stress` and `level`, the bed's elevation,
+/// spread from the river's cells in the order of their distance.
+void Streams::flood(raster::Grid<float>& stress, raster::Grid<float>& level) const {
+  const int width = stress.width();
+  const auto steps = static_cast<int>(std::lround(3 * settings_.banks / ground_.pixel()));
+  std::vector<std::uint32_t> wet, next;
+  for (std::size_t i = 0; i < stress.size(); ++i) {
+    level.data()[i] = filled_.values.data()[i];
+    if (stress.data()[i] > 0) wet.push_back(static_cast<std::uint32_t>(i));
+  }
+  for (int step = 0; step < steps && !wet.empty(); ++step) {
+    next.clear();
+    for (const std::uint32_t cell : wet) {
+      const int col = static_cast<int>(cell) % width, row = static_cast<int>(cell) / width;
+      const float top = level.data()[cell] + static_cast<float>(settings_.flood);
+      for (const auto& [dc, dr] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+        if (!stress.inside(col + dc, row + dr)) continue;
+        const std::size_t other = stress.index(col + dc, row + dr);
+        if (stress.data()[other] > 0 || !(filled_.values.data()[other] < top)) continue;
+        stress.data()[other] = stress.data()[cell];
+        level.data()[other] = level.data()[cell];
+        next.push_back(static_cast<std::uint32_t>(other));
+      }
+    }
+    wet.swap(next);
+  }
+}
+
+/// Three box means of the covered ground, its stress, the bed's elevation and its flow: there the local mean,
+/// less and less towards the end of the floods' reach.
+void Streams::spread() {
+  const int width = stress_.width(), height = stress_.height();
+  reach_ = raster::Grid<Reach>(width, height);
+  tiles_ = raster::Grid<float>((width + tile - 1) / tile, (height + tile - 1) / tile,
+                               -std::numeric_limits<float>::infinity());
+  if (cells_ == 0) return;
+  raster::Grid<float> stress = stress_, level(width, height);
+  flood(stress, level);
+  using Sums = std::array<float, 5>;  // bed, stress, elevation, flow
+  raster::Grid<Sums> sums(width, height);
+  for (int row = 0; row < height; ++row)
+    for (int col = 0; col < width; ++col) {
+      const float s = stress.at(col, row);
+      if (!(s > 0)) continue;
+      Sums& sum = sums.at(col, row);
+      sum = {1, s, level.at(col, row), 0, 0};
+      const auto cell = static_cast<std::ptrdiff_t>(stress.index(col, row));
+      const std::ptrdiff_t next = stress_.data()[cell] > 0 ? receiver(cell) : -1;
+      if (next < 0) continue;
+      const auto east = static_cast<float>(next % width - col),
+                 north = static_cast<float>(row - next / width);
+      const float norm = std::sqrt(east * east + north * north);
+      sum[3] = east / norm;
+      sum[4] = north / norm;
+    }
+  const int radius = std::max(1, static_cast<int>(std::lround(settings_.banks / (3 * ground_.pixel()))));
+  for (int i = 0; i < 3; ++i) blur(sums, radius);
+  // A bed one cell wide covers about this much at its middle.
+  const float middle = 0.5f / static_cast<float>(2 * radius + 1);
+  for (int row = 0; row < height; ++row)
+    for (int col = 0; col < width; ++col) {
+      const Sums& s = sums.at(col, row);
+      // Rounding of sums taken apart again leaves specks.
+      if (!(s[0] > 1e-3f * middle)) continue;
+      const float covered = std::min(1.0f, s[0] / middle);
+      const float flow = std::hypot(s[3], s[4]);
+      reach_.at(col, row) = {covered * s[1] / s[0], s[2] / s[0], flow > 0 ? s[3] / flow : 0,
+                             flow > 0 ? s[4] / flow : 0};
+      float& highest = tiles_.at(col / tile, row / tile);
+      highest = std::max(highest, reach_.at(col, row).bed);
+    }
+}
+
+Streams::Bank Streams::at(Vec3d p) const {
+  const Vec2d at = filled_.placement.pixel(p.x, p.y);
+  const Reach& r = reach_.at(static_cast<int>(std::clamp(at.x + 0.5, 0.0, reach_.width() - 1.0)),
+                             static_cast<int>(std::clamp(at.y + 0.5, 0.0, reach_.height() - 1.0)));
+  return {static_cast<double>(r.stress), static_cast<double>(r.bed), {r.flow_x, r.flow_y}};
+}
+
+bool Streams::near(Vec3d p, double around, double height) const {
+  const auto low = static_cast<float>(p.z - around - height);
+  const Vec2d a = filled_.placement.pixel(p.x - around, p.y + around);
+  const Vec2d b = filled_.placement.pixel(p.x + around, p.y - around);
+  const auto index = [](double v, int count) {
+    return static_cast<int>(std::clamp(std::floor((v + 0.5) / tile), 0.0, count - 1.0));
+  };
+  for (int row = index(a.y, tiles_.height()); row <= index(b.y, tiles_.height()); ++row)
+    for (int col = index(a.x, tiles_.width()); col <= index(b.x, tiles_.width()); ++col)
+      if (tiles_.at(col, row) > low) return true;
+  return false;
+}
+
+/// The neighbour of steepest descent; -1 where water leaves the map.
+std::ptrdiff_t Streams::receiver(std::ptrdiff_t cell) const {
+  const int width = filled_.width(), col = static_cast<int>(cell % width),
+            row = static_cast<int>(cell / width);
+  const float h = filled_.values.data()[cell];
+  std::ptrdiff_t best = -1;
+  float steepest = 0;
+  for (int dr = -1; dr <= 1; ++dr)
+    for (int dc = -1; dc <= 1; ++dc) {
+      if (!filled_.values.inside(col + dc, row + dr)) continue;
+      const float drop = (h - filled_.values.at(col + dc, row + dr)) / (dr != 0 && dc != 0 ? 1.4142f : 1.0f);
+      if (!(drop > steepest)) continue;
+      steepest = drop;
+      best = static_cast<std::ptrdiff_t>(filled_.values.index(col + dc, row + dr));
+    }
+  return best;
+}
+
+/// Upstream along the greatest area, marking the cells on and beside the course as taken.
+Streams::Course Streams::trace(std::ptrdiff_t mouth, std::vector<bool>& taken) const {
+  Course course;
+  const int width = filled_.width();
+  for (std::ptrdiff_t cell = mouth; cell >= 0;) {
+    const int col = static_cast<int>(cell % width), row = static_cast<int>(cell / width);
+    const Vec2d at = filled_.placement.center(col, row);
+    course.line.push_back({at.x, at.y, static_cast<double>(filled_.values.data()[cell])});
+    course.stress.push_back(static_cast<double>(stress_.data()[cell]));
+    std::ptrdiff_t next = -1;
+    for (int dr = -1; dr <= 1; ++dr)
+      for (int dc = -1; dc <= 1; ++dc) {
+        if (!filled_.values.inside(col + dc, row + dr)) continue;
+        const auto other = static_cast<std::ptrdiff_t>(filled_.values.index(col + dc, row + dr));
+        if (other == cell || taken[static_cast<std::size_t>(other)] ||
+            !(filled_.values.data()[other] > filled_.values.data()[cell]) ||
+            !(area_.data()[other] >= static_cast<float>(settings_.catchment)))
+          continue;
+        if (next < 0 || area_.data()[other] > area_.data()[next]) next = other;
+      }
+    taken[static_cast<std::size_t>(cell)] = true;
+    cell = next;
+  }
+  // The rest of a broad bed is no course of its own.
+  const int beside = static_cast<int>(std::lround(settings_.banks / ground_.pixel()));
+  for (const Vec3d& p : course.line) {
+    const Vec2d at = filled_.placement.pixel(p.x, p.y);
+    const int col = static_cast<int>(std::lround(at.x)), row = static_cast<int>(std::lround(at.y));
+    for (int dr = -beside; dr <= beside; ++dr)
+      for (int dc = -beside; dc <= beside; ++dc)
+        if (dr * dr + dc * dc <= beside * beside && filled_.values.inside(col + dc, row + dr))
+          taken[filled_.values.index(col + dc, row + dr)] = true;
+  }
+  return course;
+}
+
+std::vector<Streams::Course> Streams::courses(std::size_t count) const {
+  std::vector<Course> out;
+  std::vector<bool> taken(area_.size());
+  const int width = area_.width();
+  // Courses too short to count are passed over, but not for ever.
+  for (std::size_t tries = 0; out.size() < count && tries < 4 * count + 16; ++tries) {
+    // Where the most water leaves the river bed's cells for the map's rim or for a course already there.
+    std::ptrdiff_t mouth = -1;
+    for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(area_.size()); ++i) {
+      if (taken[static_cast<std::size_t>(i)] || !(stress_.data()[i] > 0)) continue;
+      if (mouth >= 0 && area_.data()[i] <= area_.data()[mouth]) continue;
+      const Vec2d at =
+          filled_.placement.center(static_cast<double>(i % width), static_cast<double>(i / width));
+      if (!ground_.usable({at.x, at.y, static_cast<double>(filled_.values.data()[i])})) continue;
+      mouth = i;
+    }
+    if (mouth < 0) break;
+    // Where a bed is broad the most water may run in one cell far upstream; down from there to the rim.
+    for (std::ptrdiff_t next = mouth; next >= 0 && !taken[static_cast<std::size_t>(next)];
+         next = receiver(next))
+      mouth = next;
+    Course course = trace(mouth, taken);
+    if (course.line.size() >= 8) out.push_back(std::move(course));
+  }
+  return out;
+}
+
+}  // namespace tafoni::landforms::impl

@@ -1,0 +1,125 @@
+#include <cmath>
+
+#include "tafoni/core/random.h"
+#include "tafoni/landforms/hollows/burrows.h"
+#include "tafoni/landforms/hollows/hollow.h"
+#include "tafoni/landforms/landform.h"
+#include "tafoni/landforms/site/cells.h"
+#include "tafoni/math/angle.h"
+
+namespace tafoni::landforms {
+namespace {
+
+using impl::Ground;
+
+struct Params : impl::HollowParams {
+  std::string kind = "queen";
+  double cell = 0;
+  double noise = 0;
+  double cover = 4;
+  Rows chamber;
+  Params() { roughness = 0.15, relief = 0.3; }
+};
+
+const ParamTable<Params>& table() {
+  static const ParamTable<Params> params = [] {
+    std::vector<std::string> kinds;
+    std::string what;
+    for (const volume::ChamberPreset& preset : volume::chamber_presets()) {
+      kinds.push_back(preset.name);
+      what += (what.empty() ? "" : "; ") + preset.name + ": " + preset.doc;
+    }
+    ParamTable<Params> t;
+    t.choice("kind", &Params::kind, kinds, what)
+        .real("cell", &Params::cell, "m", 0, 100, "a side of a cell of its lattice, 0 for the kind's own")
+        .real("noise", &Params::noise, "", 0, 2,
+              "most that subdivision moves its first values, in cells; much is a hell of flying rocks")
+        .real("cover", &Params::cover, "m", 0, 1000, "rock over the roof of one whose height is not given");
+    impl::add_hollow_params(t);
+    t.rows(
+        "chamber", &Params::chamber,
+        {numbers_column("at", "", "m", 3, -1e9, 1e9,
+                        "x, y and z of the middle of its floor, world; empty for under the middle of the "
+                        "site"),
+         choice_column("kind", "", kinds, "empty for the layer's"),
+         numbers_column("turn", "0", "deg", 1, -3600, 3600, "counter-clockwise"),
+         numbers_column("cell", "", "m", 1, 0.05, 100, "empty for the layer's"),
+         numbers_column("noise", "", "", 1, 0, 2, "empty for the layer's"),
+         column(
+             "lattice", "",
+             "its own values from -1, open, to 1, rock: layers from the lowest up end with ;, rows from the "
+             "north with / or a new line; numbers, or words of # + o - . for 1 to -1")},
+        "chambers and where they are; none: one of the layer's kind under the middle of the site");
+    return t;
+  }();
+  return params;
+}
+
+volume::Chamber chamber_of(const Ground& ground, const Params& p, const Row& row, std::uint64_t seed,
+                           const std::string& where) {
+  const std::string_view kind = impl::text_in(row, "kind"), own = impl::text_in(row, "lattice");
+  const volume::ChamberPreset& preset = volume::find_chamber_preset(kind.empty() ? p.kind : kind);
+  const volume::ChamberLattice lattice = volume::parse_lattice(own.empty() ? preset.lattice : own, where);
+  volume::ChamberSettings s;
+  s.cell = impl::number_in(row, "cell").value_or(p.cell > 0 ? p.cell : preset.cell);
+  s.noise = impl::number_in(row, "noise").value_or(p.noise);
+  s.turn = impl::number_in(row, "turn").value_or(0) * degree;
+  s.spacing = p.spacing > 0 ? p.spacing : s.cell / 6;
+  s.seed = seed;
+  if (!impl::text_in(row, "at").empty()) {
+    s.position = impl::point_in(row, "at", where) - ground.site().origin;
+    s.position.z -= 0.5 * s.cell;
+    return volume::Chamber(lattice, s);
+  }
+  const Vec3d middle = ground.box().center();
+  const double half = 0.5 * s.cell * std::hypot(lattice.cells.x, lattice.cells.y);
+  double low = 1e30;
+  for (int j = -4; j <= 4; ++j)
+    for (int i = -4; i <= 4; ++i)
+      low = std::min(low, ground.height(middle.x + i * half / 4, middle.y + j * half / 4));
+  s.position = {middle.x, middle.y, low - p.cover - s.cell * lattice.cells.z};
+  return volume::Chamber(lattice, s);
+}
+
+Result generate(const Site& site, const Values& values, Progress& progress) {
+  Params p;
+  assign(table().infos(), &p, values, "chambers");
+  progress.check();
+  const Ground ground(site);
+  const Rows rows = p.chamber.empty() ? Rows{{}} : p.chamber;
+  impl::Hollow hollow(ground, p, 2.5);
+  std::vector<double> places, sizes;
+  std::uint64_t index = 0;
+  for (const Row& row : rows) {
+    const volume::Chamber chamber = chamber_of(ground, p, row, hash_combine(site.seed, index),
+                                               fmt::format("chambers: chamber, row {}", index + 1));
+    ++index;
+    if (ground.box().empty() || !ground.box().overlaps(chamber.bounds())) {
+      progress.warn(fmt::format(
+          "chambers: chamber, row {} is not made: it lies outside the terrain or where the layer may not act",
+          index));
+      continue;
+    }
+    const Vec3d world = chamber.settings().position + site.origin, size = chamber.size();
+    places.insert(places.end(), {world.x, world.y, world.z + 0.5 * chamber.settings().cell});
+    sizes.insert(sizes.end(), {size.x, size.y, size.z});
+    hollow.add(chamber);
+  }
+  Result result = hollow.finish(progress);
+  result.report.emplace_back("chambers", places);
+  result.report.emplace_back("sizes_m", sizes);
+  result.report.emplace_back("primitives", std::int64_t{0});
+  return result;
+}
+
+}  // namespace
+
+const LandformType& landform_chambers() {
+  static const LandformType type{
+      "chambers",
+      "Underground rooms from few chosen values: storage room, queen's chamber, or one's own lattice",
+      "Ju, Iles and Zhang 2001 (Hive Assault), section 4", table().infos(), &generate};
+  return type;
+}
+
+}  // namespace tafoni::landforms

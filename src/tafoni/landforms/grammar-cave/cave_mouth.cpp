@@ -1,0 +1,102 @@
+#include "tafoni/landforms/grammar-cave/cave_mouth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "tafoni/core/parallel.h"
+
+namespace tafoni::landforms::impl {
+namespace {
+
+constexpr int directions = 16;
+constexpr double full_turn = 6.28318530717958647692;
+
+Vec3d direction(int i) {
+  return {std::cos(full_turn * i / directions), std::sin(full_turn * i / directions), 0};
+}
+
+double height(const Ground& ground, Vec3d p) {
+  return ground.height(p.x, p.y);
+}
+
+/// How good a mouth is: the rise behind it as a share of what is wanted, less the slope before it.
+double score(const Ground& ground, const Mouth& mouth, const MouthSettings& s) {
+  double behind = 1e9;
+  for (const double share : {0.5, 1.0, 1.5})
+    behind = std::min(behind, (height(ground, mouth.at + mouth.inward * (share * s.within)) - mouth.at.z) /
+                                  (s.rise * std::min(share, 1.0)));
+  double before = 0;
+  for (const double share : {0.5, 1.0})
+    before =
+        std::max(before, std::abs(height(ground, mouth.at - mouth.inward * (share * s.apron)) - mouth.at.z) /
+                             (share * s.apron));
+  // Beyond three times the rise wanted, more is no better.
+  return std::min(behind, 3.0) - 3 * before;
+}
+
+bool possible(const Ground& ground, const Mouth& mouth, const MouthSettings& s) {
+  for (const double off : {-s.apron, -0.5 * s.apron, 0.0, 0.5 * s.within, s.within}) {
+    Vec3d p = mouth.at + mouth.inward * off;
+    if (off < 0) p.z = height(ground, p);
+    if (!ground.usable(p)) return false;
+  }
+  const auto slope = [&](double off) {
+    return std::abs(height(ground, mouth.at - mouth.inward * off) - mouth.at.z) / off;
+  };
+  return slope(s.apron) <= s.slope && slope(0.5 * s.apron) <= s.slope &&
+         height(ground, mouth.at + mouth.inward * s.within) - mouth.at.z >= s.rise;
+}
+
+}  // namespace
+
+Mouth mouth_at(const Ground& ground, Vec2d at, const MouthSettings& settings) {
+  Mouth best{{at.x, at.y, ground.height(at.x, at.y)}, {1, 0, 0}};
+  double most = -1e300;
+  for (int i = 0; i < directions; ++i) {
+    const Mouth mouth{best.at, direction(i)};
+    const double value = score(ground, mouth, settings);
+    if (value > most) most = value, best = mouth;
+  }
+  return best;
+}
+
+std::optional<Mouth> find_mouth(const Ground& ground, const MouthSettings& settings, Progress& progress) {
+  const Box3d& box = ground.box();
+  if (box.empty()) return {};
+  constexpr int most_rows = 256;
+  const double longest = std::max(box.size().x, box.size().y);
+  const double step = std::max({ground.pixel(), longest / most_rows, 0.5});
+  const int columns = static_cast<int>(box.size().x / step), rows = static_cast<int>(box.size().y / step);
+  struct Best {
+    double value = -1e300;
+    Mouth mouth;
+  };
+  std::vector<Best> best(static_cast<std::size_t>(std::max(rows, 0)));
+  progress.begin("looking for a mouth", static_cast<std::uint64_t>(std::max(rows, 0)), "rows");
+  parallel_for(
+      rows,
+      [&](std::int64_t row) {
+        Best& here = best[static_cast<std::size_t>(row)];
+        for (int col = 0; col < columns; ++col) {
+          Vec3d p{box.lo.x + (col + 0.5) * step, box.lo.y + (static_cast<double>(row) + 0.5) * step, 0};
+          p.z = height(ground, p);
+          if (!ground.usable(p)) continue;
+          for (int i = 0; i < directions; ++i) {
+            const Mouth mouth{p, direction(i)};
+            if (height(ground, p + mouth.inward * settings.within) - p.z < settings.rise) continue;
+            const double value = score(ground, mouth, settings);
+            if (value > here.value && possible(ground, mouth, settings)) here = {value, mouth};
+          }
+        }
+      },
+      progress);
+  progress.end();
+  progress.check();
+  const auto found = std::max_element(best.begin(), best.end(),
+                                      [](const Best& a, const Best& b) { return a.value < b.value; });
+  if (found == best.end() || found->value <= -1e300) return std::nullopt;
+  return found->mouth;
+}
+
+}  // namespace tafoni::landforms::impl

@@ -1,0 +1,138 @@
+#include <algorithm>
+#include <cmath>
+
+#include "tafoni/landforms/landform.h"
+#include "tafoni/landforms/site/ground.h"
+#include "tafoni/raster/distance.h"
+#include "tafoni/terrain/generator.h"
+
+namespace tafoni::landforms {
+namespace {
+
+using impl::Ground;
+
+struct Params {
+  std::string generator = "plateau";
+  std::string operation = "union";
+  bool inverted = false;
+  double elevation = 0;
+  double scale = 1;
+  double thickness = 0;
+};
+
+const ParamTable<Params>& table() {
+  static const ParamTable<Params> params = [] {
+    ParamTable<Params> t;
+    t.text("generator", &Params::generator, "which built-in elevation model; see tafoni list generators")
+        .choice("operation", &Params::operation, {"union", "intersection", "difference"},
+                "whether its rock is added, what lies outside of it is cut off, or it is cut out")
+        .boolean("inverted", &Params::inverted, "its rock lies above its surface instead of below")
+        .real("elevation", &Params::elevation, "m", -12000, 10000,
+              "of its mean level above the terrain's mean level")
+        .real("scale", &Params::scale, "", -100, 100,
+              "factor on its heights about the mean; negative: hills for hollows")
+        .real("thickness", &Params::thickness, "m", 0, 10000,
+              "of the rock that is added by an inverted one, 0 for four times the terrain's influence");
+    return t;
+  }();
+  return params;
+}
+
+/// Signed distance to where the layer may act, on real data; positive inside, zero R within the border, so
+/// that the field is the old one beyond it (the Minkowski difference of section 5.1).
+std::shared_ptr<const raster::Raster> outline(const Site& site, const Ground& ground, Progress& progress) {
+  auto made = std::make_shared<raster::Raster>(*site.heights);
+  raster::Grid<std::uint8_t> mask(made->width(), made->height(), 0);
+  for (int row = 1; row + 1 < mask.height(); ++row)
+    for (int col = 1; col + 1 < mask.width(); ++col) {
+      const Vec2d at = made->placement.center(col, row);
+      Vec3d p{at.x, at.y, ground.box().center().z};
+      mask.at(col, row) = ground.usable(p);
+    }
+  made->values = raster::signed_distance(mask, made->placement.dx, made->placement.dy, progress);
+  const auto inset = static_cast<float>(site.influence);
+  bool any = false;
+  for (float& v : made->values.values()) {
+    v = std::clamp(v, -1e6f, 1e6f) - inset;
+    any |= v > 0;
+  }
+  return any ? made : nullptr;
+}
+
+double mean(const raster::Raster& heights) {
+  double sum = 0;
+  for (float h : heights.values.values()) sum += static_cast<double>(h);
+  return sum / static_cast<double>(heights.values.size());
+}
+
+/// The other elevation model over the same ground, at the same pixel.
+std::shared_ptr<const raster::Raster> second(const Site& site, const Params& p, Progress& progress) {
+  const raster::Raster& own = *site.heights;
+  raster::Raster made = terrain::find_generator(p.generator)
+                            .generate({{"width", static_cast<std::int64_t>(own.width())},
+                                       {"height", static_cast<std::int64_t>(own.height())},
+                                       {"pixel", own.placement.dx}},
+                                      site.seed, progress);
+  const double middle = mean(made), level = mean(own) + p.elevation;
+  for (float& h : made.values.values())
+    h = static_cast<float>(level + p.scale * (static_cast<double>(h) - middle));
+  made.placement = own.placement;
+  return std::make_shared<raster::Raster>(std::move(made));
+}
+
+Result generate(const Site& site, const Values& values, Progress& progress) {
+  Params p;
+  assign(table().infos(), &p, values, "heightfield");
+  progress.check();
+  const Ground ground(site);
+  Result result;
+  const auto inside = ground.box().empty() ? nullptr : outline(site, ground, progress);
+  result.report = {{"area_m2", 0.0}, {"primitives", std::int64_t{0}}};
+  if (!inside) return result;
+  const auto heights = second(site, p, progress);
+  field::TerrainSettings settings;
+  settings.influence = site.influence;
+  settings.amplitude = site.amplitude;
+  const auto low = std::min_element(heights->values.values().begin(), heights->values.values().end());
+  const double thickness = p.thickness > 0 ? p.thickness : 4 * site.influence;
+  Box3d box = ground.box();
+  // Far enough down for what is cut away to be a good deal of rock.
+  box.lo.z = std::min(box.lo.z, static_cast<double>(*low)) - 4 * site.influence;
+  // "Cut off what is outside" takes away the rock on the other side of the surface.
+  const bool above = p.inverted != (p.operation == "intersection");
+  field::NodePtr rock = field::heightfield(heights, settings);
+  if (above) {
+    field::NodePtr top = field::constant(static_cast<float>(site.amplitude));
+    if (p.operation == "union") {
+      auto lid = std::make_shared<raster::Raster>(*heights);
+      for (float& h : lid->values.values()) h += static_cast<float>(thickness);
+      top = field::heightfield(std::move(lid), settings);
+    }
+    rock = field::combine("difference", {std::move(top), std::move(rock)});
+  }
+  field::Domain prism{box, inside};
+  rock = field::combine("intersection", {std::move(rock), field::domain(prism, settings)});
+  double area = 0;
+  for (float v : inside->values.values()) area += v > 0;
+  result.report = {{"area_m2", area * heights->placement.dx * heights->placement.dy},
+                   {"primitives", std::int64_t{0}}};
+  result.reshaped = box;
+  result.reshaped.hi.z = 1e5;
+  result.reshaped.lo.z = -1e5;
+  result.reshape = [rock, op = p.operation](field::NodePtr tree) {
+    return field::combine(op == "union" ? "union" : "difference", {std::move(tree), rock});
+  };
+  return result;
+}
+
+}  // namespace
+
+const LandformType& landform_heightfield() {
+  static const LandformType type{
+      "heightfield",
+      "Another elevation model in the same scene, upright or inverted, within the region's outline",
+      "Paris et al. 2019, sections 2 and 5.1", table().infos(), &generate};
+  return type;
+}
+
+}  // namespace tafoni::landforms

@@ -1,0 +1,57 @@
+#pragma once
+// Tunnels and chambers as open space in the ground: one scalar grid, whose walls are bedded rock.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tafoni/landforms/rock/rock_shape.h"
+#include "tafoni/landforms/site/ground.h"
+#include "tafoni/volume/chamber.h"
+#include "tafoni/volume/tunnel.h"
+
+namespace tafoni::landforms::impl {
+
+/// Parameters that all of these landforms have.
+struct HollowParams {
+  double spacing = 0;
+  double roughness = 0.25;
+  double relief = 0.5;
+};
+template <class P>
+void add_hollow_params(ParamTable<P>& t) {
+  t.real("spacing", &P::spacing, "m", 0, 100,
+         "between the samples of the volume, 0 for a fifth of the radius")
+      .real("roughness", &P::roughness, "m", 0, 20, "most that walls and floors are uneven")
+      .real("relief", &P::relief, "m", 0, 50, "how far beds of soft rock recede behind hard ones");
+}
+
+class Hollow {
+ public:
+  /// `radius`: of tunnels, which the defaults follow.
+  Hollow(const Ground& ground, const HollowParams& params, double radius);
+
+  void add(volume::Tunnel tunnel) { tunnels_.push_back(std::move(tunnel)); }
+  void add(volume::Chamber chamber) { chambers_.push_back(std::move(chamber)); }
+  /// Finer than it need be for chambers.
+  double spacing() const { return spacing_; }
+
+  /// min(tree, distance to the walls), kept off where the site may not be changed. Its report tells the
+  /// tunnels' length, the volume carved and where to walk: `routes`, world positions of three numbers each
+  /// along the floor of every tunnel, one tunnel after another, `route_points` of them each.
+  Result finish(Progress& progress) const;
+
+ private:
+  Box3d bounds(double reach) const;
+  /// Throws Error{usage} where the spacing is too fine for what is dug; `reach`: metres of rock about it.
+  void check_size(double reach) const;
+  void report_routes(Result& result) const;
+
+  const Ground& ground_;
+  RockTexture texture_;
+  double spacing_;
+  std::vector<volume::Tunnel> tunnels_;
+  std::vector<volume::Chamber> chambers_;
+};
+
+}  // namespace tafoni::landforms::impl

@@ -1,0 +1,59 @@
+#pragma once
+// Thin level beds within the rock of a geology, the same for everything that grows in a scene.
+
+#include "tafoni/core/random.h"
+#include "tafoni/landforms/hoodoos/grammar.h"
+#include "tafoni/landforms/site/ground.h"
+
+namespace tafoni::landforms::impl {
+
+/// Bedding planes lie at fixed world elevations, so that neighbours share their ledges and necks.
+class Bedding final : public Surroundings {
+ public:
+  /// Beds of about `thickness` metres, each harder or softer than its geology by up to `contrast`.
+  Bedding(const Ground& ground, double thickness, double contrast)
+      : ground_(ground),
+        thickness_(thickness),
+        contrast_(contrast),
+        planes_(ground.site().seed, 0xbed0),
+        hardness_(ground.site().seed, 0xbed1) {}
+
+  double resistance(Vec3d p) const override {
+    const Bed bed = at(p.z);
+    double sum = 0;
+    for (const double t : {0.25, 0.75})
+      sum += ground_.resistance({p.x, p.y, bed.foot + t * (bed.top - bed.foot)});
+    return std::clamp(sum / 2 + contrast_ * unit(hardness_, bed.index), 0.0, 1.0);
+  }
+  double ground(Vec3d p) const override { return ground_.height(p.x, p.y); }
+  double bed(Vec3d p) const override { return at(p.z).top - p.z; }
+  bool allowed(Vec3d p) const override { return ground_.usable(p); }
+
+ private:
+  struct Bed {
+    std::int64_t index;
+    double foot, top;  ///< local
+  };
+
+  /// What lies just below a plane counts with the bed above it, so that no sliver is left.
+  Bed at(double z) const {
+    const double world = z + ground_.site().origin.z + 0.25 * thickness_;
+    auto k = static_cast<std::int64_t>(std::floor(world / thickness_));
+    while (plane(k) > world) --k;
+    while (plane(k + 1) <= world) ++k;
+    return {k, plane(k) - ground_.site().origin.z, plane(k + 1) - ground_.site().origin.z};
+  }
+  double plane(std::int64_t k) const {
+    return (static_cast<double>(k) + 0.3 * unit(planes_, k)) * thickness_;
+  }
+  /// Uniform in [-1, 1).
+  static double unit(const Random& random, std::int64_t i) {
+    return static_cast<double>(random.at(static_cast<std::uint64_t>(i)) >> 11) * 0x1p-52 - 1;
+  }
+
+  const Ground& ground_;
+  double thickness_, contrast_;
+  Random planes_, hardness_;
+};
+
+}  // namespace tafoni::landforms::impl

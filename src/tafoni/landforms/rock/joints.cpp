@@ -1,0 +1,61 @@
+#include "tafoni/landforms/rock/joints.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tafoni/core/random.h"
+#include "tafoni/math/noise.h"
+
+namespace tafoni::landforms::impl {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+/// Angle between the two sets: conjugate joints meet at somewhat less than a right angle.
+constexpr double between_sets = 1.3;
+
+}  // namespace
+
+Joints::Joints(double spacing, double width, std::uint64_t seed) : spacing_(spacing), width_(width) {
+  Random random(seed, 1);
+  const double first = random.uniform(0, pi);
+  for (std::size_t i = 0; i < sets_.size(); ++i) {
+    const double angle = first + between_sets * static_cast<double>(i);
+    const Vec3d along{std::cos(angle), std::sin(angle), 0};
+    sets_[i] = {{-along.y, along.x, 0}, along, hash_combine(seed, i)};
+  }
+}
+
+double Joints::weakness(const Set& set, Vec3d p) const {
+  const double wander = fbm(p * (0.7 / spacing_), 2, set.seed) - 0.5;
+  const double u = dot(p, set.across) / spacing_ + 0.35 * wander;
+  const auto cell = static_cast<std::int64_t>(std::floor(u));
+  double weakest = 0;
+  for (std::int64_t c = cell - 1; c <= cell + 1; ++c) {
+    Random random(set.seed, static_cast<std::uint64_t>(c));
+    const double at = static_cast<double>(c) + random.uniform(0.1, 0.9);
+    const double strength = random.uniform(0.25, 1.0);
+    const double d = std::abs(u - at) * spacing_ / width_;
+    if (d < 1) weakest = std::max(weakest, strength * (1 - d * d) * (1 - d * d));
+  }
+  // A joint is tight in one stretch and open in the next.
+  const double open = fbm(p * (1.0 / spacing_) + Vec3d{17, 5, 3}, 2, set.seed + 1);
+  return weakest * std::clamp(2.5 * open - 0.6, 0.0, 1.0);
+}
+
+double Joints::weakness(Vec3d p) const {
+  return std::max(weakness(sets_[0], p), weakness(sets_[1], p));
+}
+
+Vec3d Joints::along(Vec3d wanted) const {
+  Vec3d best = wanted;
+  double nearest = -1;
+  for (const Set& set : sets_) {
+    const double cosine = dot(set.along, wanted);
+    if (std::abs(cosine) <= nearest) continue;
+    nearest = std::abs(cosine);
+    best = cosine < 0 ? -set.along : set.along;
+  }
+  return best;
+}
+
+}  // namespace tafoni::landforms::impl

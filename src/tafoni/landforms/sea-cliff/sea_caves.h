@@ -1,0 +1,46 @@
+#pragma once
+// Sea caves and arches: the sea works its way into a cliff at its weakest places, along joints.
+
+#include <cstdint>
+#include <vector>
+
+#include "tafoni/field/compiled.h"
+#include "tafoni/landforms/rock/joints.h"
+#include "tafoni/landforms/site/ground.h"
+#include "tafoni/landforms/site/surface.h"
+
+namespace tafoni::landforms::impl {
+
+/// A place of the cliff and how strongly it is attacked there, e in [0, 1].
+struct Attack {
+  SurfacePoint at;
+  double effect;
+};
+
+struct CaveSettings {
+  double sea_z = 0;     ///< local, metres
+  double spacing = 45;  ///< least distance between mouths, metres
+  double length = 25;   ///< of a cave where rock is weakest, metres
+  double radius = 2.5;  ///< of the open passage, metres
+  double joints = 0.6;  ///< share by which a joint weakens the rock
+  std::uint64_t seed = 0;
+};
+
+struct CaveTube {
+  Vec3d from, to;
+  double radius;  ///< open, metres
+};
+
+struct SeaCaves {
+  std::vector<CaveTube> tubes;
+  std::vector<Vec3d> mouths;
+  int arches = 0;     ///< those that come out on the other side of a headland
+  double length = 0;  ///< metres of passage
+};
+
+/// Starts at the most strongly attacked places and follows the least resistance inward. `field` is the
+/// notched cliff.
+SeaCaves sea_caves(const field::CompiledField& field, const Ground& ground, const Joints& joints,
+                   std::vector<Attack> attacks, const CaveSettings& settings, Progress& progress);
+
+}  // namespace tafoni::landforms::impl

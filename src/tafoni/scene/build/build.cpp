@@ -1,0 +1,59 @@
+#include "tafoni/scene/build/build.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tafoni/core/random.h"
+#include "tafoni/scene/build/impl/builder.h"
+
+namespace tafoni::scene {
+
+double default_voxel(const raster::Raster& raster, double influence) {
+  const double pixel = std::min(raster.placement.dx, raster.placement.dy);
+  const double extent = std::max(raster.placement.dx * raster.width(), raster.placement.dy * raster.height());
+  const double wanted = std::max(std::min(pixel, influence / 10), extent / 1200);
+  const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
+  double best = decade;
+  for (double digit : {2.0, 2.5, 5.0, 10.0})
+    if (std::abs(std::log(decade * digit / wanted)) < std::abs(std::log(best / wanted)))
+      best = decade * digit;
+  return best;
+}
+
+std::uint64_t layer_seed(const Document& document, std::size_t index) {
+  const Layer& layer = document.layers[index];
+  if (layer.settings.seed >= 0) return static_cast<std::uint64_t>(layer.settings.seed);
+  std::uint64_t seed = static_cast<std::uint64_t>(document.scene.seed);
+  for (const std::string* word : {&layer.type, &layer.settings.name}) {
+    for (const char c : *word) seed = hash_combine(seed, static_cast<unsigned char>(c));
+    seed = hash_combine(seed, word->size());
+  }
+  const auto alike = [&](const Layer& other) {
+    return other.type == layer.type && other.settings.name == layer.settings.name;
+  };
+  const auto begin = document.layers.begin();
+  return hash_combine(seed, static_cast<std::uint64_t>(
+                                std::count_if(begin, begin + static_cast<std::ptrdiff_t>(index), alike)));
+}
+
+std::optional<double> sea_level(const Document& document) {
+  for (const Layer& layer : document.layers) {
+    if (!layer.settings.enabled) continue;
+    for (const ParamInfo& info : params_of_layer(layer.type)) {
+      if (info.name != "sea_level" || info.kind != ValueKind::real) continue;
+      const auto found = layer.values.find(info.name);
+      return std::get<double>(found == layer.values.end() ? info.init : found->second);
+    }
+  }
+  return {};
+}
+
+BuiltScene build(const Document& document, Progress& progress) {
+  return *impl::Builder().build(document, &impl::slots_of, progress).scene;
+}
+
+std::string_view version() {
+  return TAFONI_VERSION;
+}
+
+}  // namespace tafoni::scene

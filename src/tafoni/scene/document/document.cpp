@@ -1,0 +1,273 @@
+#include "tafoni/scene/document/document.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tafoni/core/error.h"
+#include "tafoni/io/csv.h"
+#include "tafoni/scene/document/impl/types.h"
+
+namespace tafoni::scene {
+
+const std::vector<ParamInfo>& scene_params() {
+  using S = SceneSettings;
+  static const std::vector<ParamInfo> params =
+      ParamTable<S>()
+          .integer("seed", &S::seed, "", 0, std::int64_t{1} << 53, "Every random choice is made from it")
+          .real("voxel", &S::voxel, "m", 0, 1e5,
+                "Size of a cell of the lattice; 0 chooses it from the terrain's pixel size and extent")
+          .choice("boundary", &S::boundary, {"solid", "open"},
+                  "solid closes the mesh with walls and a base; open leaves a terrain sheet")
+          .real("plants", &S::plants, "", 0, 1, "how green gentle ground is coloured; 0 is a desert")
+          .real("min_fragment", &S::min_fragment, "m3", 0, 1e12,
+                "Floating pieces with less volume, or of only a few cells, are removed; 0 keeps all")
+          .real("simplify", &S::simplify, "m", 0, 1e4,
+                "Greatest distance a simplified mesh may stray; 0 keeps every triangle");
+  return params;
+}
+
+const std::vector<ParamInfo>& terrain_params() {
+  using S = TerrainSettings;
+  static const std::vector<ParamInfo> params =
+      ParamTable<S>()
+          .text("source", &S::source,
+                "Path of an elevation model, anything that GDAL reads; or of a volume, for its upper surface")
+          .text("generator", &S::generator, "Name of a built-in generator, in place of a source")
+          .numbers("window", &S::window, "pixels", 4, 0, 2147483647,
+                   "Column, row, width and height of the part to read, as gdal_translate -srcwin")
+          .real("resolution", &S::resolution, "m", 0, 1e5,
+                "Pixel size to bring the source to; 0 keeps its own")
+          .real("influence", &S::influence, "m", 1e-3, 1e5, "R, how far from the surface the field reaches")
+          .real("amplitude", &S::amplitude, "m", 1e-3, 1e5,
+                "T, the field's greatest magnitude; R must not exceed 3 T")
+          .choice("interpolation", &S::interpolation, {"bicubic", "bilinear"},
+                  "How heights between pixel centres are found")
+          .choice("distance", &S::distance, {"first-order", "vertical"},
+                  "Distance to the surface: divided by the slope's length, or straight up and down")
+          .real("fill", &S::fill, "m", -1, 1e6,
+                "Holes that reach no farther than this from data are filled; -1 means eight pixels")
+          .boolean("smooth", &S::smooth, "Removes the terraces of 8-bit and stepped data")
+          .integer("band", &S::band, "", 0, 65535, "Band of the source, from 1; 0 finds the elevations")
+          .real("pixel_size", &S::pixel_size, "m", 0, 1e5,
+                "Pixel size of a source without georeference; 0 means 1 m")
+          .real("height_scale", &S::height_scale, "m", 0, 1e5,
+                "Metres a stored unit of height; 0 takes what the source says")
+          .real("depth", &S::depth, "m", 0, 1e5, "Rock kept below the lowest height, beyond R")
+          .text("domain", &S::domain, "Path of a polygon file that limits the terrain");
+  return params;
+}
+
+const std::vector<ParamInfo>& geology_params() {
+  using S = GeologySettings;
+  static const std::vector<ParamInfo> params =
+      ParamTable<S>()
+          .text("name", &S::name, "What --set calls it")
+          .integer("seed", &S::seed, "", -1, std::int64_t{1} << 53,
+                   "Its own seed; -1 makes it from the scene's seed and the place in the tree");
+  return params;
+}
+
+const std::vector<ParamInfo>& layer_params() {
+  using S = LayerSettings;
+  static const std::vector<ParamInfo> params =
+      ParamTable<S>()
+          .text("name", &S::name, "What messages, --set and the report call the layer")
+          .boolean("enabled", &S::enabled, "false leaves the layer out")
+          .text("region", &S::region, "Path of a polygon file; the layer acts inside")
+          .numbers("altitude", &S::altitude, "m", 2, -2e4, 2e4,
+                   "Lowest and highest elevation at which the layer acts")
+          .numbers("box", &S::box, "m", 6, -1e9, 1e9,
+                   "West, south, bottom, east, north, top in the scene's CRS; the layer acts inside")
+          .text("mask", &S::mask,
+                "Path of a raster, or paint:NAME for what strokes paint; the layer acts where it is above 0, "
+                "by its "
+                "weight")
+          .text("points", &S::points, "Path of a CSV (x,y,z) of seed points in the scene's CRS")
+          .integer("seed", &S::seed, "", -1, std::int64_t{1} << 53,
+                   "The layer's own seed; -1 makes it from the scene's seed and the layer's type and name");
+  return params;
+}
+
+const std::string& shown_name(const Layer& layer) {
+  return layer.settings.name.empty() ? layer.type : layer.settings.name;
+}
+
+std::string_view painted_mask(const Layer& layer) {
+  constexpr std::string_view prefix = "paint:";
+  const std::string_view mask = layer.settings.mask;
+  return mask.starts_with(prefix) ? mask.substr(prefix.size()) : std::string_view();
+}
+
+std::vector<std::string*> paths_of(Layer& layer) {
+  LayerSettings& s = layer.settings;
+  std::vector<std::string*> out;
+  const auto add = [&](std::string& path) {
+    if (!path.empty()) out.push_back(&path);
+  };
+  add(s.region);
+  if (painted_mask(layer).empty()) add(s.mask);
+  add(s.points);
+  // The own parameters of a layer that is no landform are its files.
+  if (layer.type == primitives_layer || layer.type == sculpt_layer)
+    for (auto& [name, value] : layer.values)
+      if (auto* path = std::get_if<std::string>(&value)) add(*path);
+  if (layer.type == volume_layer)
+    if (const auto file = layer.values.find("file"); file != layer.values.end())
+      add(std::get<std::string>(file->second));
+  return out;
+}
+
+std::vector<std::string> paths_of(const Layer& layer) {
+  Layer copy = layer;
+  std::vector<std::string> out;
+  for (const std::string* path : paths_of(copy)) out.push_back(*path);
+  return out;
+}
+
+std::filesystem::path Document::resolved(const std::string& path) const {
+  const std::filesystem::path p(path);
+  return (p.is_absolute() || directory.empty() ? p : directory / p).lexically_normal();
+}
+
+namespace {
+
+bool same_settings(const std::vector<ParamInfo>& infos, const void* a, const void* b) {
+  return std::all_of(infos.begin(), infos.end(),
+                     [&](const ParamInfo& info) { return info.load(info, a) == info.load(info, b); });
+}
+
+bool same_geology(const GeologySettings& a, const GeologySettings& b) {
+  return a.type == b.type && a.values == b.values && same_settings(geology_params(), &a, &b) &&
+         std::equal(a.of.begin(), a.of.end(), b.of.begin(), b.of.end(), same_geology);
+}
+
+}  // namespace
+
+std::string place_of(const Document& document, const Layer& layer) {
+  if (document.file.empty() || layer.line <= 0) return {};
+  return fmt::format("{}:{}: ", document.file, layer.line);
+}
+
+bool same(const Document& a, const Document& b) {
+  const auto same_layer = [](const Layer& p, const Layer& q) {
+    return p.type == q.type && p.values == q.values &&
+           same_settings(layer_params(), &p.settings, &q.settings);
+  };
+  return same_settings(scene_params(), &a.scene, &b.scene) &&
+         same_settings(terrain_params(), &a.terrain, &b.terrain) && a.terrain.values == b.terrain.values &&
+         std::equal(a.geology.begin(), a.geology.end(), b.geology.begin(), b.geology.end(), same_geology) &&
+         std::equal(a.layers.begin(), a.layers.end(), b.layers.begin(), b.layers.end(), same_layer);
+}
+
+void check(const Document& document, std::string_view where) {
+  const TerrainSettings& t = document.terrain;
+  if (t.source.empty() && t.generator.empty())
+    fail(ErrorKind::input, "{}: [terrain] needs a source (a path) or a generator", where);
+  if (!t.source.empty() && !t.generator.empty())
+    fail(ErrorKind::input, "{}: [terrain] has both a source and a generator; keep one", where);
+  if (t.influence > 3 * t.amplitude)
+    fail(ErrorKind::input,
+         "{}: influence = {} m is more than three times amplitude = {} m, where the field stops growing with "
+         "depth; raise the amplitude to at least {:.6g} m or lower the influence",
+         where, t.influence, t.amplitude, t.influence / 3);
+  if (!t.window.empty() && !t.generator.empty())
+    fail(ErrorKind::input, "{}: window is for a source; a generator takes width and height", where);
+  if (!t.window.empty() && (t.window[2] < 1 || t.window[3] < 1))
+    fail(ErrorKind::input, "{}: window = {} has no pixels; it is column, row, width, height", where,
+         to_toml(t.window));
+  for (double v : t.window)
+    if (v != std::trunc(v))
+      fail(ErrorKind::input, "{}: window = {} must be whole pixels", where, to_toml(t.window));
+  for (const Layer& layer : document.layers) {
+    const LayerSettings& s = layer.settings;
+    const std::string at = layer.line > 0 ? fmt::format("{}:{}", where, layer.line) : std::string(where);
+    if (!s.altitude.empty() && s.altitude[0] > s.altitude[1])
+      fail(ErrorKind::input, "{}: altitude = {} of layer {} has its ends swapped", at, to_toml(s.altitude),
+           layer.type);
+    if (!s.box.empty() && (s.box[0] > s.box[3] || s.box[1] > s.box[4] || s.box[2] > s.box[5]))
+      fail(ErrorKind::input, "{}: box = {} of layer {} is empty; it is west, south, bottom, east, north, top",
+           at, to_toml(s.box), layer.type);
+    if (layer.type == primitives_layer && !layer.values.contains("file"))
+      fail(ErrorKind::input, "{}: a primitives layer needs file, the path of a CSV", at);
+    if (layer.type != volume_layer) continue;
+    if (!layer.values.contains("file"))
+      fail(ErrorKind::input, "{}: a volume layer needs file, the path of a .tvol or .vdb", at);
+    if (!s.region.empty() || !s.mask.empty() || !s.altitude.empty() || !s.box.empty() || !s.points.empty())
+      fail(ErrorKind::input,
+           "{}: a volume layer acts where its volume is; leave out region, mask, altitude, box and points",
+           at);
+  }
+}
+
+namespace {
+
+void set_value(const std::vector<ParamInfo>& common, void* object, const std::vector<ParamInfo>& own,
+               Values& values, std::string_view name, std::string_view text, std::string_view where) {
+  const auto infos = impl::joined(common, own);
+  const ParamInfo& info = find_param(infos, name, where);
+  impl::store(common, object, values, info, parsed(info, text, where));
+}
+
+bool matches(const std::string& type, const std::string& name, std::string_view target,
+             std::vector<std::string>& known) {
+  known.push_back(name.empty() ? type : name);
+  return type == target || name == target;
+}
+
+/// Calls set(geology) for all that match, nested or not; says whether there was one.
+template <class Set>
+bool each_match(std::vector<GeologySettings>& list, std::string_view target, std::vector<std::string>& known,
+                const Set& set) {
+  bool found = false;
+  for (GeologySettings& geology : list) {
+    if (matches(geology.type, geology.name, target, known)) {
+      set(geology);
+      found = true;
+    }
+    found |= each_match(geology.of, target, known, set);
+  }
+  return found;
+}
+
+}  // namespace
+
+void set(Document& document, std::string_view assignment) {
+  const auto equals = assignment.find('=');
+  const auto dot = assignment.substr(0, equals).rfind('.');
+  const std::string where = fmt::format("--set {}", assignment);
+  if (equals == std::string_view::npos || dot == std::string_view::npos)
+    fail(ErrorKind::usage, "{}: expected TARGET.NAME=VALUE, as in sea-cliff.range=8", where);
+  const std::string_view target = assignment.substr(0, dot);
+  const std::string_view name = assignment.substr(dot + 1, equals - dot - 1);
+  const std::string_view text = assignment.substr(equals + 1);
+  static const std::vector<ParamInfo> none;
+
+  Values no_values;
+  if (target == "scene")
+    return set_value(scene_params(), &document.scene, none, no_values, name, text, where);
+  if (target == "terrain") {
+    TerrainSettings& t = document.terrain;
+    return set_value(terrain_params(), &t,
+                     t.generator.empty() ? none : impl::params_of_generator(t.generator), t.values, name,
+                     text, where);
+  }
+  std::vector<std::string> known = {"scene", "terrain"};
+  bool found = each_match(document.geology, target, known, [&](GeologySettings& g) {
+    set_value(geology_params(), &g, impl::params_of_geology(g.type), g.values, name, text, where);
+  });
+  for (Layer& layer : document.layers) {
+    if (!matches(layer.type, layer.settings.name, target, known)) continue;
+    set_value(layer_params(), &layer.settings, params_of_layer(layer.type), layer.values, name, text, where);
+    found = true;
+  }
+  if (found) return;
+  const std::string near = nearest(target, known);
+  fail(ErrorKind::usage, "{}: the scene has no layer or geology \"{}\"{}", where, target,
+       near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near));
+}
+
+Document load_scene(const std::filesystem::path& file) {
+  return parse_scene(io::read_text(file, std::uint64_t{1} << 26), file);
+}
+
+}  // namespace tafoni::scene

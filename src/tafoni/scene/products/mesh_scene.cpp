@@ -1,0 +1,191 @@
+#include "tafoni/scene/products/mesh_scene.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <optional>
+#include <vector>
+
+#include "tafoni/core/parallel.h"
+#include "tafoni/raster/resample.h"
+#include "tafoni/render/palette.h"
+
+namespace tafoni::scene {
+namespace {
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void finish(const BuiltScene& scene, mesh::Mesh& mesh, MeshResult& result, Progress& progress) {
+  mesh.origin = scene.terrain.origin;
+  double start = now();
+  colour(scene, mesh, progress);
+  result.colour_seconds += now() - start;
+  if (scene.document.scene.simplify <= 0 || mesh.triangles.empty()) return;
+  start = now();
+  mesh::SimplifySettings settings;
+  settings.error = scene.document.scene.simplify;
+  mesh::SimplifyStats stats;
+  mesh = mesh::simplify(mesh, settings, progress, &stats);
+  result.simplified.triangles_before += stats.triangles_before;
+  result.simplified.triangles_after += stats.triangles_after;
+  result.simplified.patches += stats.patches;
+  result.simplified.patches_rejected += stats.patches_rejected;
+  result.simplify_seconds += now() - start;
+}
+
+}  // namespace
+
+surface::PolygonizeSettings polygonize_settings(const BuiltScene& scene, const field::CompiledField& field,
+                                                double voxel) {
+  surface::PolygonizeSettings settings;
+  settings.voxel = voxel;
+  settings.boundary = scene.boundary();
+  settings.min_fragment_volume = scene.document.scene.min_fragment;
+  constexpr double few_cells = 20;
+  if (settings.min_fragment_volume > 0)
+    settings.min_fragment_volume = std::max(settings.min_fragment_volume, few_cells * voxel * voxel * voxel);
+  if (settings.boundary == surface::Boundary::solid) return settings;
+  settings.region = scene.terrain.box;
+  const Box3d bounds = field.bounds();
+  settings.region.lo.z = std::min(settings.region.lo.z, bounds.lo.z);
+  settings.region.hi.z = std::max(settings.region.hi.z, bounds.hi.z);
+  if (const auto& inside = scene.terrain.inside)
+    settings.inside = [inside](double x, double y) { return raster::sample_bilinear(*inside, x, y) > 0; };
+  return settings;
+}
+
+namespace {
+
+/// Marks treads that have rock overhead, which the heights of a terrain that became a volume do not tell.
+class Roofs {
+ public:
+  explicit Roofs(const BuiltScene& scene) {
+    const auto reshapes = [](const LayerResult& layer) { return static_cast<bool>(layer.made.reshape); };
+    if (std::any_of(scene.layers.begin(), scene.layers.end(), reshapes)) field_ = field::compile(scene.open);
+  }
+
+  void mark(std::vector<render::SurfacePoint>& points, const std::vector<Vec3d>& local) const {
+    if (!field_) return;
+    constexpr double above[] = {1.5, 3, 5, 8, 13, 21};  // metres
+    std::vector<Vec3d> asked;
+    std::vector<std::size_t> whose;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (points[i].roofed || points[i].normal.z < 0.5f) continue;
+      whose.push_back(i);
+      for (const double up : above) asked.push_back(local[i] + Vec3d{0, 0, up});
+    }
+    std::vector<float> values(asked.size());
+    field_->values(asked, values);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (values[i] > 0) points[whose[i / std::size(above)]].roofed = true;
+  }
+
+ private:
+  std::optional<field::CompiledField> field_;
+};
+
+}  // namespace
+
+void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress) {
+  const auto sea = sea_level(scene.document);
+  const Vec3d origin = scene.terrain.origin;
+  const raster::Raster& heights = *scene.terrain.heights;
+  const Roofs roofs(scene);
+  mesh.colors.resize(mesh.positions.size());
+  constexpr std::int64_t grain = 4096;
+  const auto count = static_cast<std::int64_t>(mesh.positions.size());
+  progress.begin("colours", static_cast<std::uint64_t>((count + grain - 1) / grain));
+  parallel_for((count + grain - 1) / grain,
+               [&](std::int64_t block) {
+                 const auto begin = static_cast<std::size_t>(block * grain);
+                 const auto end = static_cast<std::size_t>(std::min(count, (block + 1) * grain));
+                 std::vector<Vec3d> local;
+                 for (std::size_t i = begin; i < end; ++i) local.push_back(to_double(mesh.positions[i]));
+                 std::vector<float> resistance(local.size());
+                 scene.geology->resistances(local, resistance);
+                 std::vector<render::SurfacePoint> points(local.size());
+                 for (std::size_t i = begin; i < end; ++i) {
+                   const Vec3d at = local[i - begin];
+                   render::SurfacePoint& point = points[i - begin];
+                   point.position = at + origin;
+                   point.spacing = static_cast<float>(scene.voxel);
+                   if (!mesh.normals.empty()) point.normal = mesh.normals[i];
+                   point.plants = static_cast<float>(scene.document.scene.plants);
+                   point.resistance = resistance[i - begin];
+                   if (sea) point.height_above_sea = static_cast<float>(point.position.z - *sea);
+                   const double cover = raster::sample_bilinear(heights, at.x, at.y) - at.z;
+                   point.roofed = point.normal.z < 0 || cover > std::max(1.0, scene.voxel);
+                 }
+                 roofs.mark(points, local);
+                 for (std::size_t i = begin; i < end; ++i)
+                   mesh.colors[i] = render::to_rgba8(render::rock_palette(points[i - begin]));
+               },
+               progress);
+  progress.end();
+}
+
+void finish_mesh(const BuiltScene& scene, MeshResult& result, Progress& progress) {
+  finish(scene, result.mesh, result, progress);
+}
+
+MeshResult mesh_scene(const BuiltScene& scene, Progress& progress) {
+  MeshResult result;
+  double start = now();
+  const field::CompiledField field = scene.field_for(scene.boundary());
+  result.compile_seconds = now() - start;
+  start = now();
+  result.mesh =
+      surface::polygonize(field, polygonize_settings(scene, field, scene.voxel), progress, &result.stats);
+  result.polygonize_seconds = now() - start;
+  finish_mesh(scene, result, progress);
+  return result;
+}
+
+MeshResult mesh_scene_tiles(const BuiltScene& scene, int tiles, const surface::TileSink& sink,
+                            Progress& progress) {
+  MeshResult result;
+  double start = now();
+  const field::CompiledField field = scene.field_for(scene.boundary());
+  result.compile_seconds = now() - start;
+  auto settings = polygonize_settings(scene, field, scene.voxel);
+  settings.tiles_x = settings.tiles_y = tiles;
+  start = now();
+  surface::polygonize_tiles(
+      field, settings,
+      [&](surface::TileIndex index, mesh::Mesh&& tile) {
+        const double inner = now();
+        finish(scene, tile, result, progress);
+        sink(index, std::move(tile));
+        start += now() - inner;
+      },
+      progress, &result.stats);
+  result.polygonize_seconds = now() - start;
+  return result;
+}
+
+Prediction predict(const BuiltScene& scene, Progress& progress) {
+  Prediction p;
+  p.voxel = scene.voxel;
+  const field::CompiledField field = scene.field_for(scene.boundary());
+  const Vec3d size = scene.terrain.box.size();
+  p.coarse_voxel = std::max(2 * scene.voxel, std::max(size.x, size.y) / 256);
+  auto settings = polygonize_settings(scene, field, p.coarse_voxel);
+  settings.normals = false;
+  settings.min_fragment_volume = 0;
+  const mesh::Mesh coarse = surface::polygonize(field, settings, progress);
+  // A surface is cut by as many cells as its area holds cell faces.
+  const double finer = p.coarse_voxel / scene.voxel;
+  p.triangles = static_cast<std::uint64_t>(static_cast<double>(coarse.triangles.size()) * finer * finer);
+  p.vertices = p.triangles / 2;
+  constexpr std::uint64_t vertex_bytes = 12 + 12 + 4, triangle_bytes = 12;
+  p.file_bytes = p.vertices * vertex_bytes + p.triangles * triangle_bytes;
+  // The mesh is held once as chunks and once gathered; the height raster and the primitives stay beside it.
+  p.memory = 2 * p.file_bytes + scene.terrain.heights->values.size() * 3 * sizeof(float) +
+             field::stats(scene.tree(scene.boundary())).bytes;
+  return p;
+}
+
+}  // namespace tafoni::scene

@@ -1,0 +1,57 @@
+#pragma once
+// From a built scene to a coloured mesh, and the report of how it was made.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "tafoni/core/progress.h"
+#include "tafoni/mesh/mesh.h"
+#include "tafoni/mesh/simplify.h"
+#include "tafoni/scene/build/build.h"
+#include "tafoni/surface/polygonize.h"
+
+namespace tafoni::scene {
+
+/// A mesh in world terms: its origin is the scene's.
+struct MeshResult {
+  mesh::Mesh mesh;
+  surface::PolygonizeStats stats;
+  mesh::SimplifyStats simplified;  ///< all zero when nothing was simplified
+  double compile_seconds = 0, polygonize_seconds = 0, colour_seconds = 0, simplify_seconds = 0;
+};
+
+/// How the scene's surface is meshed on a lattice of cells of `voxel` metres.
+surface::PolygonizeSettings polygonize_settings(const BuiltScene& scene, const field::CompiledField& field,
+                                                double voxel);
+
+/// Polygonizes with the document's settings, colours by geology, slope and height, simplifies where asked.
+MeshResult mesh_scene(const BuiltScene& scene, Progress& progress = silent());
+
+/// What mesh_scene() does once the surface is meshed: `result.mesh` gets its origin and colours and is
+/// simplified where asked.
+void finish_mesh(const BuiltScene& scene, MeshResult& result, Progress& progress = silent());
+
+/// The same, one mesh a tile of `tiles` x `tiles`, handed over from the calling thread. Seams meet exactly,
+/// simplified or not. The result's mesh stays empty.
+MeshResult mesh_scene_tiles(const BuiltScene& scene, int tiles, const surface::TileSink& sink,
+                            Progress& progress = silent());
+
+/// Fills the mesh's colours.
+void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress = silent());
+
+/// What a full build would cost, from one on a coarser lattice.
+struct Prediction {
+  double voxel = 0, coarse_voxel = 0;
+  std::uint64_t triangles = 0, vertices = 0;
+  std::uint64_t memory = 0;      ///< bytes, at the peak
+  std::uint64_t file_bytes = 0;  ///< of a GLB
+};
+Prediction predict(const BuiltScene& scene, Progress& progress = silent());
+
+/// The report as JSON. `result` is null for a scene that was not meshed.
+std::string report_json(const BuiltScene& scene, const MeshResult* result,
+                        std::span<const std::string> warnings);
+
+}  // namespace tafoni::scene

@@ -1,0 +1,103 @@
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "tafoni/mesh/metrics.h"
+#include "tafoni/scene/products/mesh_scene.h"
+
+namespace tafoni::scene {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Value& value) {
+  return std::visit([](const auto& v) { return Json(v); }, value);
+}
+
+Json to_json(Vec3d v) {
+  return Json::array({v.x, v.y, v.z});
+}
+
+Json layers_json(const BuiltScene& scene) {
+  Json out = Json::array();
+  for (const LayerResult& layer : scene.layers) {
+    Json entry = {{"name", layer.name}, {"type", layer.type}, {"seconds", layer.seconds}};
+    if (layer.reused) entry["reused"] = true;
+    std::uint64_t primitives = 0;
+    for (const auto& node : layer.made.nodes) primitives += field::stats(node).primitives;
+    entry["primitives"] = primitives;
+    for (const auto& [name, value] : layer.made.report) {
+      std::string key = name;
+      std::replace(key.begin(), key.end(), ' ', '_');
+      entry[key] = to_json(value);
+    }
+    out.push_back(std::move(entry));
+  }
+  return out;
+}
+
+Json mesh_json(const MeshResult& result) {
+  const surface::PolygonizeStats& s = result.stats;
+  Json out = {{"vertices", s.vertices},
+              {"triangles", s.triangles},
+              {"components", s.components - s.fragments_removed - s.bubbles_removed},
+              {"fragments_removed", s.fragments_removed},
+              {"bubbles_removed", s.bubbles_removed},
+              {"samples_evaluated", s.evaluated}};
+  if (result.simplified.triangles_before > 0) {
+    out["triangles_before_simplification"] = result.simplified.triangles_before;
+    out["triangles"] = result.simplified.triangles_after;
+  }
+  if (result.mesh.triangles.empty()) return out;
+  const mesh::MeshMetrics m = mesh::metrics(result.mesh);
+  out["vertices"] = m.vertices;
+  out["triangles"] = m.triangles;
+  out["components"] = m.components;
+  out["closed"] = m.closed;
+  out["area_m2"] = m.area;
+  if (m.closed) out["volume_m3"] = m.volume;
+  out["bounds"] = {{"low", to_json(m.bounds.lo)}, {"high", to_json(m.bounds.hi)}};
+  return out;
+}
+
+}  // namespace
+
+std::string report_json(const BuiltScene& scene, const MeshResult* result,
+                        std::span<const std::string> warnings) {
+  const Document& d = scene.document;
+  const terrain::Terrain& t = scene.terrain;
+  Json out;
+  out["version"] = version();
+  out["seed"] = d.scene.seed;
+  out["voxel_m"] = scene.voxel;
+  out["boundary"] = d.scene.boundary;
+  out["terrain"] = {
+      {"source", d.terrain.source.empty() ? d.terrain.generator : d.terrain.source},
+      {"width", t.heights->width()},
+      {"height", t.heights->height()},
+      {"pixel_m", Json::array({t.heights->placement.dx, t.heights->placement.dy})},
+      {"influence_m", scene.settings.influence},
+      {"amplitude_m", scene.settings.amplitude},
+      {"origin", to_json(t.origin)},
+      {"domain", {{"low", to_json(t.to_world(t.box.lo))}, {"high", to_json(t.to_world(t.box.hi))}}},
+      {"crs", scene.crs}};
+  out["layers"] = layers_json(scene);
+  const field::TreeStats stats = field::stats(scene.tree(scene.boundary()));
+  out["tree"] = {{"nodes", stats.nodes}, {"primitives", stats.primitives}, {"bytes", stats.bytes}};
+  if (result) out["mesh"] = mesh_json(*result);
+  Json seconds = Json::object();
+  for (const auto& [name, value] : scene.seconds)
+    seconds[name] = (seconds.contains(name) ? seconds[name].get<double>() : 0.0) + value;
+  if (result) {
+    seconds["compile"] = result->compile_seconds;
+    seconds["polygonize"] = result->polygonize_seconds;
+    seconds["colour"] = result->colour_seconds;
+    if (result->simplify_seconds > 0) seconds["simplify"] = result->simplify_seconds;
+  }
+  out["seconds"] = seconds;
+  out["warnings"] = warnings;
+  // Text from files may be no UTF-8.
+  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace tafoni::scene

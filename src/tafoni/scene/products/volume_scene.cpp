@@ -1,0 +1,100 @@
+#include "tafoni/scene/products/volume_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+
+namespace tafoni::scene {
+namespace {
+
+struct Heights {
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+};
+
+/// Narrows the elevations between which the column's surface lies, a brick at a time.
+Heights narrowed(const field::CompiledField& field, const Box3d& column, double voxel) {
+  const double step = voxel * field::brick_cells;
+  const auto holds = [&](double from) {
+    const Interval range =
+        field.interval({{column.lo.x, column.lo.y, from}, {column.hi.x, column.hi.y, from + step}});
+    return range.lo <= 0 && range.hi >= 0;
+  };
+  const auto count = static_cast<int>(std::lround((column.hi.z - column.lo.z) / step));
+  int first = 0, last = count - 1;
+  while (last >= first && !holds(column.lo.z + last * step)) --last;
+  while (first <= last && !holds(column.lo.z + first * step)) ++first;
+  if (first > last) return {};
+  return {column.lo.z + first * step, column.lo.z + (last + 1) * step};
+}
+
+/// Between which elevations the surface lies over the box's x and y.
+Heights elevations(const field::CompiledField& field, const Box3d& box, double voxel, Progress& progress) {
+  const double size = voxel * field::chunk_cells;
+  const auto chunk = [&](double v) { return static_cast<int>(std::floor(v / size)); };
+  const int west = chunk(box.lo.x), south = chunk(box.lo.y), columns = chunk(box.hi.x) - west + 1,
+            rows = chunk(box.hi.y) - south + 1;
+  std::vector<Heights> found(static_cast<std::size_t>(rows));
+  progress.begin("looking for the surface", static_cast<std::uint64_t>(rows), "rows");
+  const auto look = [&](std::int64_t row) {
+    field::ChunkEvaluator evaluator(field, voxel);
+    Heights& own = found[static_cast<std::size_t>(row)];
+    for (int a = west; a < west + columns; ++a) {
+      const int b = south + static_cast<int>(row);
+      const auto range = evaluator.column(a, b);
+      if (range.first > range.last) continue;
+      const Heights column = narrowed(
+          field,
+          {{std::max(a * size, box.lo.x), std::max(b * size, box.lo.y), range.first * size},
+           {std::min((a + 1) * size, box.hi.x), std::min((b + 1) * size, box.hi.y), (range.last + 1) * size}},
+          voxel);
+      own = {std::min(own.lo, column.lo), std::max(own.hi, column.hi)};
+      progress.check();
+    }
+  };
+  parallel_for(rows, look, progress);
+  progress.end();
+  Heights out;
+  for (const Heights& row : found) out = {std::min(out.lo, row.lo), std::max(out.hi, row.hi)};
+  return out;
+}
+
+}  // namespace
+
+volume::GridFrame volume_frame(const BuiltScene& scene, double band, Progress& progress) {
+  // All of the band, so that a level set does not break off within it.
+  const double rim = band + 2 * scene.voxel;
+  Box3d box = scene.terrain.box;
+  if (scene.boundary() == surface::Boundary::solid) {
+    box.lo -= Vec3d{rim, rim, 0};
+    box.hi += Vec3d{rim, rim, 0};
+  }
+  const Heights z = elevations(scene.field_for(scene.boundary()), box, scene.voxel, progress);
+  if (!(z.lo < z.hi))
+    fail(ErrorKind::input, "the scene has no surface; check the terrain's window, domain and voxel size");
+  box.lo.z = z.lo - rim;
+  box.hi.z = z.hi + rim;
+  return volume::frame_over(box, scene.voxel);
+}
+
+io::Volume sample_scene(const BuiltScene& scene, const volume::SampleSettings& settings, Progress& progress) {
+  const volume::GridFrame frame = volume_frame(scene, settings.band, progress);
+  io::Volume out{
+      volume::sample(scene.field_for(scene.boundary()), frame, settings, progress), scene.terrain.origin, {}};
+  out.metadata.crs = scene.crs;
+  return out;
+}
+
+Document volume_document(const std::string& path) {
+  Document document;
+  document.terrain.source = path;
+  Layer layer;
+  layer.type = volume_layer;
+  layer.values["file"] = path;
+  document.layers.push_back(std::move(layer));
+  return document;
+}
+
+}  // namespace tafoni::scene

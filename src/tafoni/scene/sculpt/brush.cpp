@@ -1,0 +1,49 @@
+#include "tafoni/scene/sculpt/brush.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tafoni/core/error.h"
+
+namespace tafoni::scene {
+
+const BrushType& find_brush(std::string_view name) {
+  std::vector<std::string> known;
+  std::string list;
+  for (const BrushType* type : all_brushes()) {
+    if (type->name == name) return *type;
+    known.push_back(type->name);
+    list += (list.empty() ? "" : ", ") + type->name;
+  }
+  name = name.substr(0, 60);
+  const std::string near = nearest(name, known);
+  fail(ErrorKind::usage, "there is no brush \"{}\"; {}", name,
+       near.empty() ? "known are " + list : fmt::format("did you mean \"{}\"?", near));
+}
+
+std::vector<ParamInfo> params_of_brush(const BrushType& brush, const Values& values) {
+  std::vector<ParamInfo> out = brush.params;
+  if (!brush.more) return out;
+  for (ParamInfo& info : brush.more(values)) out.push_back(std::move(info));
+  return out;
+}
+
+std::vector<Vec3d> sampled_path(std::span<const Vec3d> points, bool smooth, double spacing) {
+  std::vector<Vec3d> out;
+  const auto at = [&](std::ptrdiff_t i) {
+    return points[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(i, 0, std::ssize(points) - 1))];
+  };
+  for (std::ptrdiff_t i = 0; i + 1 < std::ssize(points); ++i) {
+    const Vec3d p0 = at(i - 1), p1 = at(i), p2 = at(i + 1), p3 = at(i + 2);
+    const Vec3d a = p1 * 3.0 - p0 - p2 * 3.0 + p3, b = p0 * 2.0 - p1 * 5.0 + p2 * 4.0 - p3, c = p2 - p0;
+    const double steps = std::clamp(std::ceil(1.5 * length(p2 - p1) / spacing), 1.0, 1e5);
+    for (double k = 0; k < steps; ++k) {
+      const double t = k / steps;
+      out.push_back(smooth ? p1 + ((a * t + b) * t + c) * (0.5 * t) : p1 + (p2 - p1) * t);
+    }
+  }
+  out.push_back(points.back());
+  return out;
+}
+
+}  // namespace tafoni::scene

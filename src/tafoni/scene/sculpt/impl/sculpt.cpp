@@ -1,0 +1,301 @@
+#include "tafoni/scene/sculpt/impl/sculpt.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "tafoni/core/error.h"
+#include "tafoni/field/primitive.h"
+#include "tafoni/scene/sculpt/brush.h"
+
+namespace tafoni::scene::impl {
+namespace {
+
+// In deep rock f = T. A primitive of energy 4 T has its surface where (1 - u^2)^3 = 1/4, a part `u` of its
+// falloff from its body. Less energy would widen the flare where a hole meets the terrain's surface; more
+// would make the field steeper than a lattice of a fifth of the radius can follow.
+constexpr double energy_per_amplitude = 4;
+const double surface_at = std::sqrt(1 - std::cbrt(1 / energy_per_amplitude));
+constexpr double falloff_per_radius = 0.4, wavelength_per_radius = 1.3;
+constexpr int octaves = 4;
+
+/// Primitives that share a cloud: of one kind, and of radii near enough for one falloff and one noise.
+struct CloudClass {
+  std::string kind;
+  int size = 0;       ///< twice the binary logarithm of the radius, rounded
+  int roughness = 0;  ///< hundredths of the radius
+  auto operator<=>(const CloudClass&) const = default;
+
+  double radius() const { return std::exp2(0.5 * size); }
+  field::CloudSettings settings(std::uint64_t seed) const {
+    field::CloudSettings out;
+    out.kind = kind;
+    out.falloff = falloff_per_radius * radius();
+    out.noise = {0.01 * roughness * radius(), wavelength_per_radius * radius(), octaves, seed};
+    return out;
+  }
+};
+
+struct Item {
+  Vec3d anchor;
+  float energy = 0;
+  std::vector<float> shape;
+};
+
+}  // namespace
+
+struct CookedStroke {
+  std::map<CloudClass, std::vector<Item>> items;
+  Box3d box;
+  Digest digest;
+};
+
+namespace {
+
+class Cooking : public Dab {
+ public:
+  Cooking(const Stroke& stroke, const SculptFrame& frame, CookedStroke& out)
+      : stroke_(stroke), frame_(frame), out_(out) {}
+
+  void add(std::string_view kind, Vec3d anchor, double radius, std::span<const float> extras) override {
+    if (!(radius > 0) || !std::isfinite(radius)) fail(ErrorKind::usage, "a radius of {} m is none", radius);
+    const field::PrimitiveType& type = field::find_primitive(kind);
+    const double weight = frame_.region ? frame_.region->weight(anchor) : 1;
+    if (!(weight > 0)) return;
+    CloudClass key{std::string(kind), static_cast<int>(std::lround(2 * std::log2(radius))),
+                   static_cast<int>(std::lround(100 * stroke_.roughness))};
+    const double falloff = falloff_per_radius * key.radius();
+    const double body = type.volumetric ? radius - surface_at * falloff : radius / surface_at;
+    const double energy = energy_per_amplitude * frame_.amplitude * stroke_.strength * weight;
+    Item item{anchor, static_cast<float>(stroke_.adds() ? energy : -energy), {static_cast<float>(body)}};
+    item.shape.insert(item.shape.end(), extras.begin(), extras.end());
+    const double reach = static_cast<double>(type.extent(extras)) + body + (type.volumetric ? falloff : 0) +
+                         0.01 * key.roughness * key.radius();
+    out_.box.expand(Box3d{anchor, anchor}.grown(1.001 * reach + 0.01));
+    out_.items[std::move(key)].push_back(std::move(item));
+  }
+
+ private:
+  const Stroke& stroke_;
+  const SculptFrame& frame_;
+  CookedStroke& out_;
+};
+
+/// The same for all strokes of a layer, and different where it stands: not where it comes in the list.
+std::uint64_t seed_of(const Stroke& stroke, std::uint64_t layer) {
+  std::uint64_t seed = hash_combine(layer, static_cast<std::uint64_t>(stroke.seed));
+  for (const double v : {stroke.points[0].x, stroke.points[0].y, stroke.points[0].z})
+    seed = hash_combine(seed, std::bit_cast<std::uint64_t>(v));
+  return seed;
+}
+
+Digest digest_of(const SculptFrame& frame) {
+  Digest digest;
+  digest.add(frame.origin.x).add(frame.origin.y).add(frame.origin.z).add(frame.amplitude).add(frame.seed);
+  return digest.add(std::uint64_t{frame.region != nullptr}).add(frame.region_digest);
+}
+
+/// S after a run: what it carves stops at -L, what it adds at L.
+field::NodePtr after_run(field::NodePtr sum, const SculptRun& run, double amplitude) {
+  if (run.clouds.empty()) return sum;
+  std::vector<field::NodePtr> children = {std::move(sum)};
+  children.insert(children.end(), run.clouds.begin(), run.clouds.end());
+  const auto limit = static_cast<float>(energy_per_amplitude * amplitude);
+  const auto added = field::combine("blend", std::move(children));
+  return run.adds ? field::combine("intersection", {added, field::constant(limit)})
+                  : field::combine("union", {added, field::constant(-limit)});
+}
+
+std::vector<int> levels_of(std::span<const Slot> slots,
+                           const std::vector<std::shared_ptr<const CookedStroke>>& cooked) {
+  std::vector<int> levels;
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const bool adds = slots[i].stroke->adds();
+    int level = adds ? 1 : 0;
+    for (std::size_t j = 0; j < i; ++j)
+      if (cooked[i]->box.overlaps(cooked[j]->box))
+        level = std::max(level, slots[j].stroke->adds() == adds ? levels[j] : levels[j] + 1);
+    levels.push_back(level);
+  }
+  return levels;
+}
+
+void cook_runs(SculptGroup& group, std::uint64_t seed) {
+  std::vector<std::map<CloudClass, field::CloudBuilder>> builders;
+  for (std::size_t place = 0; place < group.cooked.size(); ++place) {
+    const auto level = static_cast<std::size_t>(group.levels[place]);
+    if (builders.size() <= level) builders.resize(level + 1);
+    if (!group.cooked[place]) continue;
+    for (const auto& [kind, items] : group.cooked[place]->items) {
+      auto at = builders[level].find(kind);
+      if (at == builders[level].end()) at = builders[level].emplace(kind, kind.settings(seed)).first;
+      for (const Item& item : items) at->second.add(item.anchor, item.energy, item.shape);
+    }
+  }
+  for (std::size_t level = 0; level < builders.size(); ++level) {
+    SculptRun run{level % 2 == 1, {}};
+    for (auto& [kind, builder] : builders[level]) run.clouds.push_back(builder.finish());
+    group.runs.push_back(std::move(run));
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<const CookedStroke> SculptCook::cook_stroke(const std::shared_ptr<const Stroke>& stroke,
+                                                            const SculptFrame& frame,
+                                                            const Digest& frame_digest) {
+  return strokes_
+      .get({stroke.get(), frame_digest},
+           [&] {
+             ++strokes_cooked;
+             auto cooked = std::make_shared<CookedStroke>();
+             cooked->digest.add(std::string_view(to_text(*stroke)));
+             const BrushType& brush = find_brush(stroke->brush);
+             if (brush.apply) {
+               Stroke local = *stroke;
+               for (Vec3d& p : local.points) p -= frame.origin;
+               Cooking dab(*stroke, frame, *cooked);
+               brush.apply(local, seed_of(*stroke, frame.seed), dab);
+             }
+             return KeptStroke{stroke, std::move(cooked)};
+           })
+      .cooked;
+}
+
+std::shared_ptr<const SculptGroup> SculptCook::cook_group(std::span<const Slot> slots,
+                                                          const SculptFrame& frame,
+                                                          const Digest& frame_digest) {
+  Digest key = frame_digest;
+  for (const Slot& slot : slots)
+    key.add(std::uint64_t{reinterpret_cast<std::uintptr_t>(slot.stroke.get())} * 2 + (slot.muted ? 1 : 0));
+  return groups_.get(key, [&] {
+    ++groups_cooked;
+    auto group = std::make_shared<SculptGroup>();
+    group->slots.assign(slots.begin(), slots.end());
+    group->digest = frame_digest;
+    std::vector<std::shared_ptr<const CookedStroke>> all;
+    for (const Slot& slot : slots) {
+      all.push_back(cook_stroke(slot.stroke, frame, frame_digest));
+      group->cooked.push_back(slot.muted ? nullptr : all.back());
+      group->digest.add(std::uint64_t{slot.muted}).add(all.back()->digest);
+    }
+    group->levels = levels_of(slots, all);
+    cook_runs(*group, frame.seed);
+    return std::shared_ptr<const SculptGroup>(std::move(group));
+  });
+}
+
+std::shared_ptr<const Sculpted> SculptCook::cook(std::span<const Slot> slots, const SculptFrame& frame) {
+  const Digest frame_digest = digest_of(frame);
+  auto out = std::make_shared<Sculpted>();
+  out->digest = frame_digest;
+  for (std::size_t first = 0; first < slots.size(); first += group_size) {
+    out->groups.push_back(
+        cook_group(slots.subspan(first, std::min(group_size, slots.size() - first)), frame, frame_digest));
+    out->digest.add(out->groups.back()->digest);
+    for (const SculptRun& run : out->groups.back()->runs)
+      out->node = after_run(out->node, run, frame.amplitude);
+  }
+  return out;
+}
+
+namespace {
+
+void changed_boxes(const SculptGroup* before, const SculptGroup* now, std::vector<Box3d>& out) {
+  struct Place {
+    const CookedStroke* stroke = nullptr;
+    int level = 0;
+    bool operator==(const Place&) const = default;
+  };
+  const auto at = [](const SculptGroup* group, std::size_t place) -> Place {
+    if (!group || place >= group->cooked.size() || !group->cooked[place]) return {};
+    return {group->cooked[place].get(), group->levels[place]};
+  };
+  const std::size_t places = std::max(before ? before->cooked.size() : 0, now ? now->cooked.size() : 0);
+  for (std::size_t place = 0; place < places; ++place) {
+    const Place a = at(before, place), b = at(now, place);
+    if (a == b) continue;
+    for (const CookedStroke* stroke : {a.stroke, b.stroke})
+      if (stroke && !stroke->box.empty()) out.push_back(stroke->box);
+  }
+}
+
+}  // namespace
+
+void changed_boxes(const Sculpted* before, const Sculpted* now, std::vector<Box3d>& out) {
+  const std::size_t groups = std::max(before ? before->groups.size() : 0, now ? now->groups.size() : 0);
+  for (std::size_t g = 0; g < groups; ++g) {
+    const SculptGroup* a = before && g < before->groups.size() ? before->groups[g].get() : nullptr;
+    const SculptGroup* b = now && g < now->groups.size() ? now->groups[g].get() : nullptr;
+    if (a != b) changed_boxes(a, b, out);
+  }
+}
+
+namespace {
+
+bool paints(const Slot& slot, std::string_view name, Painting& out) {
+  const BrushType& brush = find_brush(slot.stroke->brush);
+  if (slot.muted || !brush.paint) return false;
+  out = brush.paint(*slot.stroke);
+  return out.mask == name;
+}
+
+double distance_to_segment(Vec2d p, Vec3d a, Vec3d b) {
+  const Vec2d d{b.x - a.x, b.y - a.y}, v{p.x - a.x, p.y - a.y};
+  const double l2 = d.x * d.x + d.y * d.y;
+  const double t = l2 > 0 ? std::clamp((v.x * d.x + v.y * d.y) / l2, 0.0, 1.0) : 0;
+  return std::hypot(v.x - t * d.x, v.y - t * d.y);
+}
+
+}  // namespace
+
+raster::Raster painted(std::span<const Slot> slots, std::string_view name, const raster::Raster& like,
+                       Vec3d origin) {
+  raster::Raster out;
+  out.placement = like.placement;
+  out.values = raster::Grid<float>(like.width(), like.height(), 0.f);
+  Painting paint;
+  for (const Slot& slot : slots) {
+    if (!paints(slot, name, paint)) continue;
+    const Stroke& stroke = *slot.stroke;
+    Box3d box;
+    std::vector<Vec3d> line;
+    for (const Vec3d p : stroke.points) {
+      line.push_back(p - origin);
+      box.expand(line.back());
+    }
+    if (line.size() == 1) line.push_back(line.front());
+    box = box.grown(stroke.radius);
+    const Vec2d nw = out.placement.pixel(box.lo.x, box.hi.y), se = out.placement.pixel(box.hi.x, box.lo.y);
+    const auto clamped = [](double v, int n) {
+      return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(n)));
+    };
+    for (int row = clamped(std::ceil(nw.y), out.height()); row < clamped(std::floor(se.y) + 1, out.height());
+         ++row)
+      for (int col = clamped(std::ceil(nw.x), out.width()); col < clamped(std::floor(se.x) + 1, out.width());
+           ++col) {
+        const Vec2d at = out.placement.center(col, row);
+        double far = stroke.radius;
+        for (std::size_t i = 0; i + 1 < line.size(); ++i)
+          far = std::min(far, distance_to_segment(at, line[i], line[i + 1]));
+        const double soft = (1 - paint.hardness) * stroke.radius;
+        const double t =
+            soft > 0 ? std::clamp((stroke.radius - far) / soft, 0.0, 1.0) : (far < stroke.radius ? 1 : 0);
+        const auto weight = static_cast<float>(std::min(stroke.strength, 1.0) * t * t * (3 - 2 * t));
+        float& value = out.values.at(col, row);
+        value = paint.erase ? value * (1 - weight) : value + (1 - value) * weight;
+      }
+  }
+  return out;
+}
+
+Digest painted_digest(std::span<const Slot> slots, std::string_view name) {
+  Digest digest;
+  Painting paint;
+  for (const Slot& slot : slots)
+    if (paints(slot, name, paint)) digest.add(std::string_view(to_text(*slot.stroke)));
+  return digest;
+}
+
+}  // namespace tafoni::scene::impl

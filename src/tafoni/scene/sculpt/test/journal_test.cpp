@@ -1,0 +1,334 @@
+#include "tafoni/scene/sculpt/journal.h"
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <sqlite3.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/random.h"
+#include "tafoni/core/test/test_folder.h"
+
+namespace tafoni::scene {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+Stroke numbered(int i) {
+  Stroke s;
+  s.brush = "sphere";
+  s.points = {{static_cast<double>(i), 0, 0}};
+  return s;
+}
+
+std::vector<int> numbers(const Journal& journal) {
+  std::vector<int> out;
+  for (const Journal::Entry& e : journal.strokes()) out.push_back(static_cast<int>(e.stroke->points[0].x));
+  return out;
+}
+
+/// Ends with the status 0 once f has returned, with another where it throws.
+template <class F>
+pid_t in_another_process(const F& f) {
+  const pid_t child = ::fork();
+  if (child != 0) return child;
+  try {
+    f();
+  } catch (...) {
+    ::_exit(1);
+  }
+  ::_exit(0);
+}
+
+class JournalFile : public ::testing::Test {
+ protected:
+  template <class F>
+  static std::string failure(F&& f) {
+    try {
+      f();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  const TestFolder folder;
+  const fs::path root = folder.path;
+  const fs::path file = root / "a.journal";
+};
+
+TEST_F(JournalFile, UndoAndRedoSurviveARestart) {
+  {
+    Journal j = Journal::open_or_create(file);
+    for (int i = 1; i <= 5; ++i) j.append(numbered(i));
+    EXPECT_EQ(j.undo(2), 2u);
+  }
+  {
+    Journal j = Journal::open(file);
+    EXPECT_EQ(numbers(j), (std::vector{1, 2, 3}));
+    EXPECT_EQ(j.redoable(), 2u);
+    EXPECT_EQ(j.redo(), 1u);
+    EXPECT_EQ(j.undo(100), 4u);
+    EXPECT_EQ(j.undo(), 0u);
+  }
+  Journal j = Journal::open(file);
+  EXPECT_TRUE(j.strokes().empty());
+  EXPECT_EQ(j.redo(100), 5u);
+  EXPECT_EQ(j.redo(), 0u);
+  EXPECT_EQ(numbers(j), (std::vector{1, 2, 3, 4, 5}));
+}
+
+TEST_F(JournalFile, AStrokeAfterAnUndoKeepsTheOldBranch) {
+  Journal j = Journal::open_or_create(file);
+  for (int i = 1; i <= 3; ++i) j.append(numbered(i));
+  j.undo(2);
+  const std::int64_t branch = j.append(numbered(9));
+  EXPECT_EQ(numbers(j), (std::vector{1, 9}));
+  EXPECT_EQ(j.redoable(), 0u);
+  EXPECT_EQ(j.history().size(), 4u);
+  j.undo();
+  j.redo();
+  EXPECT_EQ(numbers(j), (std::vector{1, 9}));
+  j.go_to(3);
+  EXPECT_EQ(numbers(j), (std::vector{1, 2, 3}));
+  j.undo(2);
+  EXPECT_EQ(j.redo(100), 2u);
+  EXPECT_EQ(numbers(j), (std::vector{1, 2, 3}));
+  j.go_to(branch);
+  EXPECT_EQ(numbers(Journal::open(file)), (std::vector{1, 9}));
+  EXPECT_THAT(failure([&] { j.go_to(77); }), HasSubstr("has no stroke 77"));
+}
+
+TEST_F(JournalFile, ARandomHistoryIsThatOfAList) {
+  Journal j = Journal::open_or_create(file);
+  std::vector<int> list, undone;
+  Random random(5);
+  for (int i = 0; i < 300; ++i) {
+    const auto what = random.below(10);
+    if (what < 5) {
+      j.append(numbered(i));
+      list.push_back(i);
+      undone.clear();
+    } else if (what < 8) {
+      const std::size_t n = j.undo(random.below(4));
+      for (std::size_t k = 0; k < n; ++k) undone.push_back(list.back()), list.pop_back();
+    } else {
+      const std::size_t n = j.redo(random.below(4));
+      for (std::size_t k = 0; k < n; ++k) list.push_back(undone.back()), undone.pop_back();
+    }
+    ASSERT_EQ(numbers(j), list);
+    ASSERT_EQ(j.redoable(), undone.size());
+    if (i % 50 == 0) j = Journal::open(file);
+  }
+  EXPECT_EQ(numbers(Journal::open(file)), list);
+}
+
+TEST_F(JournalFile, MutesOneStroke) {
+  Journal j = Journal::open_or_create(file);
+  j.append(std::vector{numbered(1), numbered(2)});
+  j.mute(1, true);
+  EXPECT_TRUE(Journal::open(file).strokes()[0].muted);
+  EXPECT_FALSE(j.strokes()[1].muted);
+  j.mute(1, false);
+  EXPECT_FALSE(Journal::open(file).strokes()[0].muted);
+  EXPECT_THAT(failure([&] { j.mute(3, true); }), HasSubstr("has no stroke 3"));
+}
+
+TEST_F(JournalFile, KilledAtAnyMomentItLosesTheStrokeInFlightAlone) {
+  int most = 0;
+  for (int round = 0; round < 8; ++round) {
+    const int before = static_cast<int>(fs::exists(file) ? Journal::open(file).strokes().size() : 0);
+    int ready[2];
+    ASSERT_EQ(::pipe(ready), 0);
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      // Says which stroke is on the disk; then goes on until it is killed.
+      Journal j = Journal::open_or_create(file);
+      for (int i = before;; ++i) {
+        j.append(numbered(i));
+        if (::write(ready[1], &i, sizeof(i)) != sizeof(i)) ::_exit(1);
+      }
+    }
+    ::close(ready[1]);
+    int stored = before - 1, next = 0;
+    for (int i = 0; i < 6 && ::read(ready[0], &next, sizeof(next)) == sizeof(next); ++i) stored = next;
+    std::this_thread::sleep_for(std::chrono::microseconds(300 * round));
+    ::kill(child, SIGKILL);
+    while (::read(ready[0], &next, sizeof(next)) == sizeof(next)) stored = next;
+    ::waitpid(child, nullptr, 0);
+    ::close(ready[0]);
+
+    Journal j = Journal::open(file);
+    const auto found = numbers(j);
+    ASSERT_GE(static_cast<int>(found.size()), stored + 1);
+    ASSERT_LE(static_cast<int>(found.size()), stored + 2);
+    for (int i = 0; i < static_cast<int>(found.size()); ++i) ASSERT_EQ(found[static_cast<std::size_t>(i)], i);
+    most = static_cast<int>(found.size());
+  }
+  EXPECT_GT(most, 8);
+}
+
+TEST_F(JournalFile, TwoProcessesAppendToOneHistory) {
+  Journal::open_or_create(file);
+  const pid_t child = in_another_process([&] {
+    Journal j = Journal::open(file);
+    for (int i = 0; i < 20; ++i) j.append(numbered(100 + i));
+  });
+  ASSERT_GE(child, 0);
+  Journal j = Journal::open(file);
+  for (int i = 0; i < 20; ++i) j.append(numbered(i));
+  int status = -1;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  j.refresh();
+  EXPECT_FALSE(j.refresh());
+  std::vector<int> mine, theirs;
+  for (const int n : numbers(j)) (n < 100 ? mine : theirs).push_back(n);
+  ASSERT_EQ(mine.size(), 20u);
+  ASSERT_EQ(theirs.size(), 20u);
+  EXPECT_TRUE(std::is_sorted(mine.begin(), mine.end()));
+  EXPECT_TRUE(std::is_sorted(theirs.begin(), theirs.end()));
+}
+
+TEST_F(JournalFile, OpensWhileAnotherProcessAppends) {
+  Journal::open_or_create(file);
+  const pid_t child = in_another_process([&] {
+    Journal j = Journal::open(file);
+    for (int i = 0; i < 200; ++i) j.append(numbered(i));
+  });
+  ASSERT_GE(child, 0);
+  int status = -1;
+  while (::waitpid(child, &status, WNOHANG) == 0) {
+    std::vector<int> found;
+    EXPECT_EQ(failure([&] { found = numbers(Journal::open(file)); }), "no error");
+    for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i], static_cast<int>(i));
+  }
+  EXPECT_EQ(status, 0);
+}
+
+TEST_F(JournalFile, RefusesWhatIsNoJournal) {
+  EXPECT_THAT(failure([&] { Journal::open(root / "none"); }), HasSubstr("does not exist"));
+  EXPECT_THAT(failure([&] { Journal::open(root); }), HasSubstr("is a folder"));
+  std::ofstream(root / "text") << "this is some text that is no database at all, and goes on for a while";
+  EXPECT_THAT(failure([&] { Journal::open_or_create(root / "text"); }), HasSubstr("is no sculpt journal"));
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open((root / "other").c_str(), &db), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(db, "create table t (x); insert into t values (1);", nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  sqlite3_close(db);
+  EXPECT_THAT(failure([&] { Journal::open_or_create(root / "other"); }), HasSubstr("is no sculpt journal"));
+  EXPECT_THAT(failure([&] { Journal::open_or_create(root / "no folder" / "j"); }),
+              HasSubstr("its folder exists"));
+  // An empty file is what a crash may leave of one that was about to be made.
+  std::ofstream(root / "empty").flush();
+  EXPECT_TRUE(Journal::open_or_create(root / "empty").strokes().empty());
+}
+
+TEST_F(JournalFile, RefusesANewerVersion) {
+  Journal::open_or_create(file).append(numbered(1));
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open(file.c_str(), &db), SQLITE_OK);
+  sqlite3_exec(db, "pragma user_version = 9", nullptr, nullptr, nullptr);
+  sqlite3_close(db);
+  EXPECT_THAT(failure([&] { Journal::open(file); }), HasSubstr("version 9"));
+}
+
+TEST_F(JournalFile, EveryDamagedByteIsAnErrorOrHarmless) {
+  {
+    Journal j = Journal::open_or_create(file);
+    for (int i = 0; i < 30; ++i) j.append(numbered(i));
+  }
+  std::ifstream in(file, std::ios::binary);
+  const std::string whole((std::istreambuf_iterator<char>(in)), {});
+  const fs::path bad = root / "bad.journal";
+  int refused = 0;
+  for (std::size_t at = 0; at < whole.size(); at += 1 + whole.size() / 400) {
+    std::string bytes = whole;
+    bytes[at] = static_cast<char>(bytes[at] ^ 0x5a);
+    std::ofstream(bad, std::ios::binary | std::ios::trunc) << bytes;
+    const std::string what = failure([&] { Journal::open(bad); });
+    if (what == "no error") continue;
+    ++refused;
+    EXPECT_THAT(what, HasSubstr("bad.journal"));
+  }
+  EXPECT_GT(refused, 10);
+  std::ofstream(bad, std::ios::binary | std::ios::trunc) << whole.substr(0, whole.size() / 2);
+  EXPECT_THAT(failure([&] { Journal::open(bad); }), HasSubstr("is damaged"));
+}
+
+TEST_F(JournalFile, ALockedOneSaysSo) {
+  Journal j = Journal::open_or_create(file);
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open(file.c_str(), &db), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(db, "begin exclusive", nullptr, nullptr, nullptr), SQLITE_OK);
+  EXPECT_THAT(failure([&] { j.append(numbered(1)); }), HasSubstr("is in use by another program"));
+  sqlite3_exec(db, "rollback", nullptr, nullptr, nullptr);
+  sqlite3_close(db);
+  j.append(numbered(2));
+  EXPECT_EQ(numbers(j), (std::vector{2}));
+}
+
+TEST_F(JournalFile, AFullDiskLosesNothingThatWasThere) {
+  Journal j = Journal::open_or_create(file);
+  j.append(numbered(1));
+  rlimit old{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &old), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit tight = old;
+  tight.rlim_cur = fs::file_size(file) + 2048;
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &tight), 0);
+  std::string what = "no error";
+  int stored = 1;
+  for (int i = 2; i < 500 && what == "no error"; ++i) {
+    what = failure([&] { j.append(numbered(i)); });
+    if (what == "no error") stored = i;
+  }
+  ::setrlimit(RLIMIT_FSIZE, &old);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_THAT(what, HasSubstr("a.journal: cannot"));
+  EXPECT_EQ(static_cast<int>(j.strokes().size()), stored);
+  EXPECT_EQ(numbers(Journal::open(file)), numbers(j));
+  j.append(numbered(stored + 1));
+  EXPECT_EQ(static_cast<int>(Journal::open(file).strokes().size()), stored + 1);
+}
+
+TEST_F(JournalFile, AReadOnlyFolderCanBeReadAndNotWritten) {
+  Journal::open_or_create(file).append(numbered(1));
+  fs::permissions(file, fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+  fs::permissions(
+      root, fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read | fs::perms::others_exec);
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    // Root may write anywhere; nobody may not.
+    if (::geteuid() == 0 && (::setgid(65534) != 0 || ::setuid(65534) != 0)) ::_exit(99);
+    const auto says = [](const std::string& what, const char* words) {
+      return what.find(words) != std::string::npos;
+    };
+    int wrong = 0;
+    const std::string read = failure([&] {
+      Journal j = Journal::open(file);
+      if (numbers(j) != std::vector{1}) wrong |= 1;
+      if (!says(failure([&] { j.append(numbered(2)); }), "cannot be")) wrong |= 2;
+      if (numbers(j) != std::vector{1}) wrong |= 4;
+    });
+    if (read != "no error") wrong |= 8;
+    if (!says(failure([&] { Journal::open_or_create(root / "b.journal"); }), "cannot be opened")) wrong |= 16;
+    ::_exit(wrong);
+  }
+  int status = -1;
+  ::waitpid(child, &status, 0);
+  fs::permissions(root, fs::perms::owner_all);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+}  // namespace
+}  // namespace tafoni::scene

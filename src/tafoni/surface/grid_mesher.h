@@ -1,0 +1,91 @@
+#pragma once
+// The mesh of a scalar grid, chunk by chunk, kept up to date while the grid is edited (document 002: only
+// touched voxels are polygonized again).
+//
+// Voxel (i, j, k) is the cell between the samples (i, j, k) and (i + 1, j + 1, k + 1); chunk (a, b, c) has
+// the voxels from (32 a, 32 b, 32 c). Cases, vertices and normals are those of polygonize_grid(): normals are
+// minus the central differences of the samples, one-sided at the frame, so that neighbours agree bit for bit.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "tafoni/core/progress.h"
+#include "tafoni/mesh/mesh.h"
+#include "tafoni/surface/polygonize.h"
+#include "tafoni/volume/scalar_grid.h"
+
+namespace tafoni::surface {
+
+/// Convex planar polygons, by voxel (document 002: collision on convex polygons). They cover the chunk's
+/// triangles exactly: each is a union of triangles of one voxel whose corners lie within 1/256 of a voxel's
+/// size of one plane. No other such union leaves fewer.
+struct VoxelPolygons {
+  std::vector<Vec3i> voxels;           ///< those that the surface cuts, ascending by (z, y, x)
+  std::vector<std::uint32_t> first;    ///< first polygon of each voxel, and the number of polygons
+  std::vector<std::uint32_t> begin;    ///< first corner of each polygon, and the number of corners
+  std::vector<std::uint32_t> corners;  ///< vertices, counter-clockwise seen from the air
+
+  std::size_t size() const { return begin.empty() ? 0 : begin.size() - 1; }
+  std::span<const std::uint32_t> polygon(std::size_t p) const {
+    return {corners.data() + begin[p], begin[p + 1] - begin[p]};
+  }
+  /// The polygons [first, second) of a voxel; none where the surface does not cut it.
+  std::pair<std::uint32_t, std::uint32_t> of(Vec3i voxel) const;
+};
+
+/// The mesh of one chunk, complete in itself: vertices on its faces are repeated in the neighbours, bit for
+/// bit. Never changes: an update makes a new one, and who holds the old one may go on reading it.
+struct GridChunkMesh {
+  std::vector<Vec3f> positions;  ///< local metres
+  std::vector<Vec3f> normals;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  VoxelPolygons polygons;     ///< where asked for
+  std::uint64_t version = 0;  ///< of the update that made it
+};
+using GridChunkPtr = std::shared_ptr<const GridChunkMesh>;
+
+struct GridMesherSettings {
+  /// `solid`: a layer of air around the frame closes the surface with walls 1/128 of a voxel (or what floats
+  /// need) outside of the frame; its voxels, one beyond the frame's, belong to the chunks beside them.
+  Boundary boundary = Boundary::open;
+  bool polygons = false;
+};
+
+/// Not for several threads at once, but works on several itself. Besides the meshes, holds 20 KB a chunk with
+/// surface, 25 KB with polygons.
+class GridMesher {
+ public:
+  explicit GridMesher(const GridMesherSettings& settings = {});
+  ~GridMesher();
+  GridMesher(const GridMesher&) = delete;
+  GridMesher& operator=(const GridMesher&) = delete;
+
+  struct Change {
+    Vec3i chunk;
+    std::uint64_t version;
+    friend bool operator==(const Change&, const Change&) = default;
+  };
+  /// Makes the mesh that of `grid`. Outside of the boxes its samples must be bit for bit those of the last
+  /// update's grid; the first update, and one of another frame, looks at everything. Returns the chunks whose
+  /// mesh changed, sorted; one that lost its last triangle is among them. Versions count updates.
+  /// Throws Error{usage} for a frame too far from zero for floats. After an error or a cancel the next update
+  /// looks at everything.
+  std::vector<Change> update(const volume::ScalarGrid& grid, std::span<const volume::SampleBox> changed,
+                             Progress& progress = silent());
+
+  /// Never null; empty where there is no surface.
+  GridChunkPtr chunk(Vec3i chunk) const;
+  /// Every chunk with triangles, sorted by (y, x, z).
+  std::vector<Vec3i> chunks() const;
+  /// All of them as one mesh without repeated vertices.
+  mesh::Mesh assemble() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace tafoni::surface

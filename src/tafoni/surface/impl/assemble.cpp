@@ -1,0 +1,190 @@
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <memory>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+#include "tafoni/surface/impl/connect.h"
+
+namespace tafoni::surface::impl {
+namespace {
+
+constexpr std::uint32_t gone = std::numeric_limits<std::uint32_t>::max();
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// A vertex of a piece that an earlier piece has already.
+struct Repeat {
+  std::uint32_t vertex, owner, owner_vertex;
+};
+
+using PieceIndex = std::unordered_map<Vec3i, std::uint32_t, ChunkHash>;
+
+/// Repeats on the low faces; the lists of both sides ascend by place.
+void find_face_repeats(const std::vector<Piece>& pieces, const PieceIndex& index, const Piece& piece,
+                       std::vector<Repeat>& out) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& low = piece.faces[static_cast<std::size_t>(2 * axis)];
+    Vec3i chunk = piece.chunk;
+    (axis == 0 ? chunk.x : axis == 1 ? chunk.y : chunk.z) -= 1;
+    const auto found = index.find(chunk);
+    if (low.empty() || found == index.end()) continue;
+    const auto& high = pieces[found->second].faces[static_cast<std::size_t>(2 * axis + 1)];
+    std::size_t at = 0;
+    for (const BorderVertex& v : low) {
+      while (at < high.size() && high[at].place < v.place) ++at;
+      if (at < high.size() && high[at].place == v.place)
+        out.push_back({v.vertex, found->second, high[at].vertex});
+    }
+  }
+}
+
+/// Repeats along chunk edges: the first piece in order owns the vertex.
+void find_corner_repeats(const std::vector<Piece>& pieces, std::vector<std::vector<Repeat>>& repeats) {
+  struct Owner {
+    std::uint32_t piece, vertex;
+  };
+  std::unordered_map<LatticeEdge, Owner, LatticeEdgeHash> owners;
+  for (std::uint32_t p = 0; p < pieces.size(); ++p)
+    for (const CornerVertex& v : pieces[p].corners) {
+      const auto [at, fresh] = owners.emplace(v.edge, Owner{p, v.vertex});
+      if (!fresh) repeats[p].push_back({v.vertex, at->second.piece, at->second.vertex});
+    }
+}
+
+/// The new index of every vertex of every piece.
+class Numbering {
+ public:
+  explicit Numbering(const std::vector<Piece>& pieces) {
+    for (const Piece& piece : pieces) {
+      start_.push_back(total_);
+      total_ += piece.positions.size();
+    }
+    numbers_.reset(new std::uint32_t[total_]);
+    advise_large_pages(numbers_.get(), total_ * sizeof(std::uint32_t));
+    first_.resize(pieces.size() + 1, 0);
+  }
+  std::uint32_t* of(std::size_t piece) { return numbers_.get() + start_[piece]; }
+
+  /// Counts the vertices that the piece itself contributes; `gone` marks the others.
+  void count_own(std::size_t p, const Piece& piece, const std::vector<Repeat>& repeats,
+                 const Connectivity* connectivity) {
+    std::uint32_t* const number = of(p);
+    const std::size_t n = piece.positions.size();
+    std::fill_n(number, n, 0);
+    for (const Repeat& r : repeats) number[r.vertex] = gone;
+    if (connectivity && connectivity->any_removed()) {
+      std::vector<bool> removed(piece.parts.size());
+      for (std::uint32_t part = 0; part < piece.parts.size(); ++part)
+        removed[part] = connectivity->removed(piece.chunk, part);
+      for (std::uint32_t v = 0; v < n; ++v)
+        if (removed[piece.part_of(v)]) number[v] = gone;
+    }
+    std::uint32_t count = 0;
+    for (std::size_t v = 0; v < n; ++v)
+      if (number[v] != gone) number[v] = count++;
+    first_[p + 1] = count;
+  }
+  /// Turns the counts into the index of each piece's first vertex.
+  void sum() {
+    for (std::size_t p = 0; p + 1 < first_.size(); ++p) first_[p + 1] += first_[p];
+    if (first_.back() >= gone)
+      fail(ErrorKind::usage,
+           "the mesh has {} vertices, more than 32-bit indices can name: write it in tiles or use a larger "
+           "voxel",
+           first_.back());
+  }
+  void globalise(std::size_t p, const Piece& piece) {
+    std::uint32_t* const number = of(p);
+    for (std::size_t v = 0; v < piece.positions.size(); ++v)
+      if (number[v] != gone) number[v] += static_cast<std::uint32_t>(first_[p]);
+  }
+  bool own(std::size_t p, std::uint32_t number) const {
+    return number >= first_[p] && number < first_[p + 1];
+  }
+  std::uint64_t total() const { return first_.back(); }
+
+ private:
+  std::size_t total_ = 0;
+  std::vector<std::size_t> start_;
+  std::unique_ptr<std::uint32_t[]> numbers_;
+  std::vector<std::uint64_t> first_;
+};
+
+/// Rewrites a piece's triangles to new indices and drops those of removed parts.
+void renumber_triangles(Piece& piece, const std::uint32_t* number) {
+  std::size_t kept = 0;
+  for (const auto& t : piece.triangles)
+    if (number[t[0]] != gone) piece.triangles[kept++] = {number[t[0]], number[t[1]], number[t[2]]};
+  piece.triangles = piece.triangles.first(kept);
+}
+
+/// The pieces' own vertices, one after the other.
+void gather_vertices(const std::vector<Piece>& pieces, Numbering& numbering, std::span<Vec3f> Piece::*member,
+                     std::vector<Vec3f>& out) {
+  if (pieces.empty() || (pieces[0].*member).empty()) return;
+  reserve_large(out, numbering.total());
+  for (std::size_t p = 0; p < pieces.size(); ++p) {
+    const std::span<Vec3f> values = pieces[p].*member;
+    const std::uint32_t* const number = numbering.of(p);
+    for (std::size_t v = 0; v < values.size();) {
+      if (!numbering.own(p, number[v])) {
+        ++v;
+        continue;
+      }
+      const std::size_t begin = v;
+      while (v < values.size() && numbering.own(p, number[v])) ++v;
+      out.insert(out.end(), values.begin() + static_cast<std::ptrdiff_t>(begin),
+                 values.begin() + static_cast<std::ptrdiff_t>(v));
+    }
+  }
+}
+
+void gather_triangles(const std::vector<Piece>& pieces, std::vector<std::array<std::uint32_t, 3>>& out) {
+  std::size_t total = 0;
+  for (const Piece& piece : pieces) total += piece.triangles.size();
+  reserve_large(out, total);
+  for (const Piece& piece : pieces) out.insert(out.end(), piece.triangles.begin(), piece.triangles.end());
+}
+
+}  // namespace
+
+mesh::Mesh assemble(std::vector<Piece>& pieces, const Connectivity* connectivity, double* stitch_seconds,
+                    double* gather_seconds) {
+  const double start = now();
+  const auto count = static_cast<std::int64_t>(pieces.size());
+  const auto each = [&](const auto& body) {
+    parallel_for(count, [&](std::int64_t p) { body(static_cast<std::size_t>(p)); });
+  };
+  PieceIndex index;
+  for (std::uint32_t p = 0; p < pieces.size(); ++p) index.emplace(pieces[p].chunk, p);
+  std::vector<std::vector<Repeat>> repeats(pieces.size());
+  find_corner_repeats(pieces, repeats);
+  Numbering numbering(pieces);
+  each([&](std::size_t p) {
+    find_face_repeats(pieces, index, pieces[p], repeats[p]);
+    numbering.count_own(p, pieces[p], repeats[p], connectivity);
+  });
+  numbering.sum();
+  each([&](std::size_t p) { numbering.globalise(p, pieces[p]); });
+  // An owner's vertex is never a repeat itself, so nothing read here is written here.
+  each([&](std::size_t p) {
+    for (const Repeat& r : repeats[p]) numbering.of(p)[r.vertex] = numbering.of(r.owner)[r.owner_vertex];
+    renumber_triangles(pieces[p], numbering.of(p));
+  });
+  const double middle = now();
+  mesh::Mesh mesh;
+  parallel_for(3, [&](std::int64_t array) {
+    if (array == 0) gather_triangles(pieces, mesh.triangles);
+    if (array == 1) gather_vertices(pieces, numbering, &Piece::positions, mesh.positions);
+    if (array == 2) gather_vertices(pieces, numbering, &Piece::normals, mesh.normals);
+  });
+  *stitch_seconds += middle - start;
+  *gather_seconds += now() - middle;
+  return mesh;
+}
+
+}  // namespace tafoni::surface::impl

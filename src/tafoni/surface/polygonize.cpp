@@ -1,0 +1,242 @@
+#include "tafoni/surface/polygonize.h"
+
+#include <algorithm>
+#include <chrono>
+#include <mutex>
+
+#include "tafoni/core/error.h"
+#include "tafoni/core/parallel.h"
+#include "tafoni/surface/impl/connect.h"
+
+namespace tafoni::surface {
+namespace {
+
+using impl::CellSet;
+using impl::Connectivity;
+using impl::Piece;
+using impl::PieceMaker;
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// What one thread needs to work on a column of chunks.
+struct Worker {
+  Worker(std::unique_ptr<SampleSource> s, const CellSet& cells, double voxel, bool normals, bool parts)
+      : source(std::move(s)), maker(cells, voxel, normals, parts) {}
+
+  std::unique_ptr<SampleSource> source;
+  PieceMaker maker;
+  field::ChunkSamples samples;
+  PolygonizeStats stats;
+};
+
+/// Chunk columns [x0, x1) x [y0, y1).
+struct ColumnBox {
+  int x0, x1, y0, y1;
+  std::int64_t count() const { return static_cast<std::int64_t>(x1 - x0) * (y1 - y0); }
+};
+
+class Job {
+ public:
+  Job(const SourceFactory& factory, const Box3d& bounds, const PolygonizeSettings& settings,
+      Progress& progress)
+      : factory_(factory), settings_(settings), progress_(progress), cells_(bounds, settings) {
+    if (settings.tiles_x < 1 || settings.tiles_y < 1)
+      fail(ErrorKind::usage, "{} x {} tiles cannot be made: give at least 1 x 1", settings.tiles_x,
+           settings.tiles_y);
+    if (cells_.empty()) return;
+    first_ = cells_.first_chunk();
+    last_ = cells_.last_chunk();
+    if (!settings.region.empty() && !bounds.empty()) skip_empty(bounds);
+  }
+
+  bool empty() const { return cells_.empty() || first_.x > last_.x || first_.y > last_.y; }
+  std::uint64_t columns() const { return empty() ? 0 : static_cast<std::uint64_t>(whole().count()); }
+  ColumnBox whole() const { return {first_.x, last_.x + 1, first_.y, last_.y + 1}; }
+  ColumnBox tile(TileIndex t) const {
+    const auto cut = [](int first, int last, int at, int tiles) {
+      return first + static_cast<int>((static_cast<std::int64_t>(last) + 1 - first) * at / tiles);
+    };
+    return {
+        cut(first_.x, last_.x, t.x, settings_.tiles_x), cut(first_.x, last_.x, t.x + 1, settings_.tiles_x),
+        cut(first_.y, last_.y, t.y, settings_.tiles_y), cut(first_.y, last_.y, t.y + 1, settings_.tiles_y)};
+  }
+  template <class Body>
+  void for_each_tile(const Body& body) const {
+    if (empty()) return;
+    for (int y = 0; y < settings_.tiles_y; ++y)
+      for (int x = 0; x < settings_.tiles_x; ++x)
+        if (tile({x, y}).count() > 0) body(TileIndex{x, y});
+  }
+
+  /// The pieces of a box of columns, in order. Their memory stays until release().
+  std::vector<Piece> pieces(const ColumnBox& box, bool normals, bool parts);
+  void add_stats(PolygonizeStats& stats) const;
+  void forget_workers() { workers_.clear(); }
+  void release() { arenas_.clear(); }
+
+ private:
+  void skip_empty(const Box3d& bounds);
+  void column(Worker& worker, int a, int b, std::vector<Piece>& out);
+  std::unique_ptr<Worker> take(bool normals, bool parts);
+
+  const SourceFactory& factory_;
+  const PolygonizeSettings& settings_;
+  Progress& progress_;
+  CellSet cells_;
+  Vec3i first_, last_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Worker>> workers_;
+  std::vector<std::unique_ptr<impl::Arena>> arenas_;
+};
+
+/// Narrows the chunks to those that can hold surface.
+void Job::skip_empty(const Box3d& bounds) {
+  const double side = settings_.voxel * field::chunk_cells;
+  const auto low = [&](int first, double lo) {
+    return static_cast<int>(
+        std::min(std::max(std::floor(lo / side) - 1, static_cast<double>(first)), 0x1p30));
+  };
+  const auto high = [&](int last, double hi) {
+    return static_cast<int>(
+        std::max(std::min(std::floor(hi / side) + 1, static_cast<double>(last)), -0x1p30));
+  };
+  first_ = {low(first_.x, bounds.lo.x), low(first_.y, bounds.lo.y), low(first_.z, bounds.lo.z)};
+  last_ = {high(last_.x, bounds.hi.x), high(last_.y, bounds.hi.y), high(last_.z, bounds.hi.z)};
+}
+
+std::unique_ptr<Worker> Job::take(bool normals, bool parts) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!workers_.empty()) {
+      auto worker = std::move(workers_.back());
+      workers_.pop_back();
+      return worker;
+    }
+  }
+  return std::make_unique<Worker>(factory_(), cells_, settings_.voxel, normals, parts);
+}
+
+void Job::column(Worker& worker, int a, int b, std::vector<Piece>& out) {
+  const double start = now(), before = worker.maker.triangles_seconds + worker.maker.normals_seconds;
+  const auto range = worker.source->column(a, b);
+  for (int c = std::max(range.first, first_.z); c <= std::min(range.last, last_.z); ++c) {
+    if (!worker.source->evaluate(c, worker.samples)) continue;
+    worker.stats.evaluated += worker.samples.evaluated;
+    for (auto bricks : worker.samples.active)
+      worker.stats.bricks += static_cast<std::uint64_t>(std::popcount(bricks));
+    Piece piece;
+    if (!worker.maker.make(worker.samples, *worker.source, piece)) continue;
+    worker.stats.chunks += 1;
+    worker.stats.cells += piece.cut_cells;
+    out.push_back(std::move(piece));
+  }
+  const double made = worker.maker.triangles_seconds + worker.maker.normals_seconds - before;
+  worker.stats.evaluate_seconds += now() - start - made;
+}
+
+std::vector<Piece> Job::pieces(const ColumnBox& box, bool normals, bool parts) {
+  const int width = box.x1 - box.x0;
+  std::vector<std::vector<Piece>> columns(static_cast<std::size_t>(box.count()));
+  parallel_for(
+      box.count(),
+      [&](std::int64_t at) {
+        auto worker = take(normals, parts);
+        column(*worker, box.x0 + static_cast<int>(at % width), box.y0 + static_cast<int>(at / width),
+               columns[static_cast<std::size_t>(at)]);
+        const std::lock_guard lock(mutex_);
+        workers_.push_back(std::move(worker));
+      },
+      progress_);
+  for (const auto& worker : workers_) arenas_.push_back(worker->maker.take_arena());
+  std::vector<Piece> all;
+  for (auto& column : columns)
+    for (Piece& piece : column) all.push_back(std::move(piece));
+  return all;
+}
+
+void Job::add_stats(PolygonizeStats& stats) const {
+  for (const auto& worker : workers_) {
+    stats.chunks += worker->stats.chunks;
+    stats.bricks += worker->stats.bricks;
+    stats.cells += worker->stats.cells;
+    stats.evaluated += worker->stats.evaluated;
+    stats.evaluate_seconds += worker->stats.evaluate_seconds;
+    stats.triangles_seconds += worker->maker.triangles_seconds;
+    stats.normals_seconds += worker->maker.normals_seconds;
+  }
+}
+
+void note_decision(const Connectivity::Result& result, PolygonizeStats& stats) {
+  stats.components = result.components;
+  stats.fragments_removed = result.fragments;
+  stats.bubbles_removed = result.bubbles;
+}
+
+}  // namespace
+
+mesh::Mesh polygonize(const SourceFactory& source, const Box3d& bounds, const PolygonizeSettings& settings,
+                      Progress& progress, PolygonizeStats* stats) {
+  PolygonizeStats sums;
+  Job job(source, bounds, settings, progress);
+  const bool parts = settings.min_fragment_volume > 0;
+  progress.begin("mesh", job.columns(), "columns");
+  std::vector<Piece> pieces;
+  job.for_each_tile([&](TileIndex t) {
+    for (Piece& piece : job.pieces(job.tile(t), settings.normals, parts)) pieces.push_back(std::move(piece));
+  });
+  job.add_stats(sums);
+  job.forget_workers();
+  std::sort(pieces.begin(), pieces.end(), [](const Piece& p, const Piece& q) {
+    return std::tie(p.chunk.y, p.chunk.x, p.chunk.z) < std::tie(q.chunk.y, q.chunk.x, q.chunk.z);
+  });
+  Connectivity connectivity;
+  if (parts) {
+    const double start = now();
+    for (const Piece& piece : pieces) connectivity.add(piece);
+    note_decision(connectivity.decide(settings.min_fragment_volume), sums);
+    sums.stitch_seconds += now() - start;
+  }
+  mesh::Mesh mesh =
+      impl::assemble(pieces, parts ? &connectivity : nullptr, &sums.stitch_seconds, &sums.gather_seconds);
+  sums.vertices = mesh.positions.size();
+  sums.triangles = mesh.triangles.size();
+  progress.end();
+  if (stats) *stats = sums;
+  return mesh;
+}
+
+void polygonize_tiles(const SourceFactory& source, const Box3d& bounds, const PolygonizeSettings& settings,
+                      const TileSink& sink, Progress& progress, PolygonizeStats* stats) {
+  PolygonizeStats sums;
+  Job job(source, bounds, settings, progress);
+  const bool parts = settings.min_fragment_volume > 0;
+  Connectivity connectivity;
+  if (parts) {
+    progress.begin("find fragments", job.columns(), "columns");
+    job.for_each_tile([&](TileIndex t) {
+      for (const Piece& piece : job.pieces(job.tile(t), false, true)) connectivity.add(piece);
+      job.release();
+    });
+    job.forget_workers();
+    note_decision(connectivity.decide(settings.min_fragment_volume), sums);
+    progress.end();
+  }
+  progress.begin("mesh", job.columns(), "columns");
+  job.for_each_tile([&](TileIndex t) {
+    auto pieces = job.pieces(job.tile(t), settings.normals, connectivity.any_removed());
+    mesh::Mesh mesh =
+        impl::assemble(pieces, parts ? &connectivity : nullptr, &sums.stitch_seconds, &sums.gather_seconds);
+    job.release();
+    if (mesh.triangles.empty()) return;
+    sums.vertices += mesh.positions.size();
+    sums.triangles += mesh.triangles.size();
+    sink(t, std::move(mesh));
+  });
+  job.add_stats(sums);
+  progress.end();
+  if (stats) *stats = sums;
+}
+
+}  // namespace tafoni::surface
