@@ -1,4 +1,4 @@
-// Fractal volumes and tunnels (document 001) beside plain programs for the same work, in one process, the
+// Fractal volumes and tunnels [Ju01] beside plain programs for the same work, in one process, the
 // runs interleaved since machines drift. Prints CSV.
 //
 //   bench_fractal [RUNS]

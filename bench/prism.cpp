@@ -1,4 +1,4 @@
-// Document 000's table 1: updates a second of a prism-field beside a single heightfield and cube voxels, at
+// [Boggus]'s table 1: updates a second of a prism-field beside a single heightfield and cube voxels, at
 // 10 to 1000 samples a side and a sphere a tenth of the side across. An update is one random sphere taken out
 // and new geometry. The peers are the paper's: all quads of the heightfield, a cube of six quads for every
 // voxel, made anew into a buffer that is used again. The prism-field is measured with the chunks that

@@ -92,7 +92,7 @@ inline std::uint64_t hash_of(const mesh::Mesh& mesh) {
   return hash(mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]), h);
 }
 
-/// Document 003's terrain: bilinear heights and vertical distance; else bicubic heights and first-order
+/// [Paris19]'s terrain: bilinear heights and vertical distance; else bicubic heights and first-order
 /// distance.
 inline field::NodePtr ground_node(const Ground& ground, bool paper) {
   return field::heightfield(

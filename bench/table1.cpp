@@ -1,4 +1,4 @@
-// Table 1 of document 003, ours beside theirs. Builds one scene of examples/ and prints its rows.
+// Table 1 of [Paris19], ours beside theirs. Builds one scene of examples/ and prints its rows.
 //
 //   bench_table1                         the header
 //   bench_table1 NAME SCENE.toml [plain] NAME: a row of the paper; plain: the lattice by brute force, too

@@ -30,7 +30,7 @@ Topic brushes() {
   out.entries.insert(out.entries.begin(),
                      {"stroke",
                       "What every stroke can say besides its brush, its points (at) and the brush's own",
-                      "document 003, section 8.2",
+                      "[Paris19 §8.2]",
                       {},
                       scene::stroke_params(),
                       {}});
@@ -90,13 +90,13 @@ Topic sections() {
                          {}});
   out.entries.push_back({"[[layer]] type = \"sculpt\"",
                          "Strokes of brushes, from a text file and from a journal",
-                         "document 003, sections 3.2 and 8.2",
+                         "[Paris19 §3.2, §8.2]",
                          {},
                          scene::params_of_layer(scene::sculpt_layer),
                          {}});
   out.entries.push_back({"[[layer]] type = \"volume\"",
                          "A sampled volume from a file",
-                         "documents 001 and 002",
+                         "[Ju01], [Ruths01]",
                          {},
                          scene::params_of_layer(scene::volume_layer),
                          {}});

@@ -199,7 +199,7 @@ std::function<int(Console&)> setup(Args& args) {
                   "Mesh file or volume; with --sgm, a scene file or an elevation model, too");
   args.group("Grammar caves");
   args.flag("--sgm", o->sgm,
-            "The seven measures of document 004, of a mesh, a volume or a scene's grammar-cave layer");
+            "The seven measures of [Zawadzki], of a mesh, a volume or a scene's grammar-cave layer");
   args.text("--details", "L_D", o->details,
             "Mesh detail of a scene's cave, 1 to 32, or a row for each as in 1..32");
   args.number("--cube", "M", o->cube, 1e-4, 1e4, "m",

@@ -16,7 +16,7 @@ struct PrimitiveKernels;
 }
 
 /// A primitive is energy * g(distance to a skeleton), g(u) = (1 - u^2)^3 inside its support and exactly 0
-/// outside (document 003, section 5.2). Its record is an anchor, an energy, a radius and `extras` further
+/// outside [Paris19 §5.2]. Its record is an anchor, an energy, a radius and `extras` further
 /// floats.
 struct PrimitiveType {
   std::string name, doc, source;

@@ -1,5 +1,5 @@
 #pragma once
-// The editable construction tree (document 003, section 3.1): small immutable nodes with shared structure.
+// The editable construction tree [Paris19 §3.1]: small immutable nodes with shared structure.
 //
 // Positions are double metres in the scene's local frame (world minus the scene's origin). Fields are in the
 // f - T frame: solid where f > 0. Nodes are pure data; compile() (compiled.h) makes them answer queries.
@@ -19,7 +19,7 @@ namespace tafoni::field {
 class Node;
 using NodePtr = std::shared_ptr<const Node>;
 
-/// How far from the surface the heightfield's field reaches (document 003, section 5.1).
+/// How far from the surface the heightfield's field reaches [Paris19 §5.1].
 struct TerrainSettings {
   double influence = 15.0;  ///< R, metres; R <= 3T is enforced, or sigma would not be monotone
   double amplitude = 7.5;   ///< T, metres: the field's greatest magnitude
@@ -43,7 +43,7 @@ NodePtr domain(const Domain& domain, const TerrainSettings& settings);
 /// A field equal to `value` everywhere; -T under a union turns a cloud into a solid of its own.
 NodePtr constant(float value);
 
-/// Noise that perturbs the metric of a cloud's primitives (document 003, section 5.2):
+/// Noise that perturbs the metric of a cloud's primitives [Paris19 §5.2]:
 /// distance / (R + amplitude * (2 t(v / wavelength) - 1)) with t normalised fBm in [0, 1].
 struct MetricNoise {
   double amplitude = 0;   ///< metres, below every primitive's radius; 0 switches it off
@@ -93,7 +93,7 @@ void add_curve(CloudBuilder& cloud, std::span<const Vec3d> points, double radius
 /// Blending a cloud adds its primitives one by one, in the cloud's order, to what stands before it.
 NodePtr combine(std::string_view op, std::vector<NodePtr> children);
 
-/// a (1 - alpha) + b alpha (document 004); alpha in [0, 1].
+/// a (1 - alpha) + b alpha [Zawadzki]; alpha in [0, 1].
 NodePtr morph(NodePtr a, NodePtr b, double alpha);
 
 /// A leaf with the function's own values, in metres.
@@ -101,7 +101,7 @@ NodePtr function(FunctionPtr f);
 /// A tree's values, clamped to [lo, hi]: a control field for warp() and erode() made of primitives.
 FunctionPtr as_function(const NodePtr& tree, float lo = 0, float hi = 1);
 
-/// f - depth * control * (1 - resistance) (document 003, section 5.3, in metres). `control` in [0, 1], null
+/// f - depth * control * (1 - resistance) ([Paris19 §5.3], in metres). `control` in [0, 1], null
 /// for 1 everywhere; exactly 0 where nothing shall happen. `resistance` in [0, 1], null for one half. A depth
 /// below the terrain's T leaves deep rock solid.
 NodePtr erode(NodePtr below, FunctionPtr control, FunctionPtr resistance, double depth);
@@ -114,7 +114,7 @@ struct WarpSettings {
   int octaves = 3;
   std::uint64_t seed = 0;
 };
-/// f(p + delta(p) control(p)) (document 003, section 5.3). `control` as in erode().
+/// f(p + delta(p) control(p)) [Paris19 §5.3]. `control` as in erode().
 NodePtr warp(NodePtr below, FunctionPtr control, const WarpSettings& settings);
 
 /// Where a copy stands: p_placed = position + scale * Rz(turn) Ry(tilt) p_own.
@@ -134,7 +134,7 @@ NodePtr instances(NodePtr shape, std::span<const Placement> placements);
 Box3d support(const NodePtr& tree);
 
 struct TreeStats {
-  std::uint64_t nodes = 0;  ///< primitives, operators and heightfields, as document 003's #N counts
+  std::uint64_t nodes = 0;  ///< primitives, operators and heightfields, as [Paris19]'s #N counts
   std::uint64_t primitives = 0;
   std::uint64_t bytes = 0;  ///< without the heightfield's raster
 };

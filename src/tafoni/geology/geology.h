@@ -1,5 +1,5 @@
 #pragma once
-// Geology: bedrock resistance rho in [0, 1] as a function of position (document 003, section 4).
+// Geology: bedrock resistance rho in [0, 1] as a function of position [Paris19 §4].
 
 #include <memory>
 #include <span>

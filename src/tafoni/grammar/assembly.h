@@ -1,5 +1,5 @@
 #pragma once
-// Productions (document 004, sections 2.4 and 2.5): shapes joined at bonds, one after the other.
+// Productions [Zawadzki §2.4, §2.5]: shapes joined at bonds, one after the other.
 
 #include <cstdint>
 #include <functional>

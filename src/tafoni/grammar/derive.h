@@ -1,5 +1,5 @@
 #pragma once
-// Assemblies from the document's six parameters, by a table of rules or at random (document 004, section 3).
+// Assemblies from the document's six parameters, by a table of rules or at random [Zawadzki §3].
 
 #include <cstdint>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-// A tree of operations on placed solids (document 004, sections 2.1 and 2.3): what productions make.
+// A tree of operations on placed solids [Zawadzki §2.1, §2.3]: what productions make.
 
 #include <memory>
 #include <string_view>

@@ -1,5 +1,5 @@
 #pragma once
-// What the program knows of a solid of the shape grammar (document 004): a signed distance, and the places
+// What the program knows of a solid of the shape grammar [Zawadzki]: a signed distance, and the places
 // where it can be joined to others.
 //
 // The document's solids are quadrics like x^2 + y^2 + z^2 - r, whose values are no lengths, so that a morph
@@ -15,7 +15,7 @@
 
 namespace tafoni::grammar {
 
-/// A place on a surface where another shape can be joined (document 004, definition 4).
+/// A place on a surface where another shape can be joined [Zawadzki def. 4].
 struct Bond {
   Vec3d point;
   Vec3d direction;  ///< unit, outward; zero glues with any

@@ -1,5 +1,5 @@
 #pragma once
-// How convex a mesh is (document 004, section 4.3).
+// How convex a mesh is [Zawadzki §4.3].
 
 #include <cstdint>
 

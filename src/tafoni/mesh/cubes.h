@@ -1,5 +1,5 @@
 #pragma once
-// Volume by counting cubes (document 004, section 4.2).
+// Volume by counting cubes [Zawadzki §4.2].
 
 #include <cstdint>
 

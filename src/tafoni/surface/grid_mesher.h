@@ -1,5 +1,5 @@
 #pragma once
-// The mesh of a scalar grid, chunk by chunk, kept up to date while the grid is edited (document 002: only
+// The mesh of a scalar grid, chunk by chunk, kept up to date while the grid is edited ([Ruths01]: only
 // touched voxels are polygonized again).
 //
 // Voxel (i, j, k) is the cell between the samples (i, j, k) and (i + 1, j + 1, k + 1); chunk (a, b, c) has
@@ -19,7 +19,7 @@
 
 namespace tafoni::surface {
 
-/// Convex planar polygons, by voxel (document 002: collision on convex polygons). They cover the chunk's
+/// Convex planar polygons, by voxel ([Ruths01]: collision on convex polygons). They cover the chunk's
 /// triangles exactly: each is a union of triangles of one voxel whose corners lie within 1/256 of a voxel's
 /// size of one plane. No other such union leaves fewer.
 struct VoxelPolygons {

@@ -1,5 +1,5 @@
 #pragma once
-// Marching cubes over the chunks of the lattice (document 003, section 7), with shared vertices.
+// Marching cubes over the chunks of the lattice [Paris19 §7], with shared vertices.
 //
 // The result is 2-manifold, oriented outward and free of degenerate triangles whatever the samples are: the
 // case table separates solid corners on ambiguous faces, and no diagonal of a triangulated loop lies in a

@@ -1,5 +1,5 @@
 #pragma once
-// The surface of a prism-field (document 000, section 3 and figure 6): tops and bottoms as heightfields of
+// The surface of a prism-field [Boggus §3, fig. 6]: tops and bottoms as heightfields of
 // two triangles a cell, closed by upright walls. What connects is said in volume/inner/prism_cells.h.
 //
 // Rims follow the columns, in teeth. Moving their vertices to where tops and bottoms would meet was thought
@@ -17,7 +17,7 @@
 
 namespace tafoni::surface {
 
-/// Document 000 textures each on its own.
+/// [Boggus] textures each on its own.
 enum class PrismSurface : std::uint8_t { upper, lower, middle };
 
 struct PrismMeshSettings {

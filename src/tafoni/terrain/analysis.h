@@ -30,7 +30,7 @@ raster::Grid<float> fill_depressions(const raster::Raster& heights, const FillSe
 raster::Grid<float> drainage_area(const raster::Raster& filled, double exponent = 1.1,
                                   Progress& progress = silent());
 
-/// A^(1/2) s of each cell (document 003, section 6.1; Whipple & Tucker 1999).
+/// A^(1/2) s of each cell ([Paris19 §6.1]; Whipple & Tucker 1999).
 raster::Grid<float> stream_power(const raster::Grid<float>& area, const raster::Grid<float>& slope);
 
 struct AccessibilitySettings {

@@ -1,5 +1,5 @@
 #pragma once
-// Chambers: few chosen values, negative where it is open, subdivided (document 001, section 4).
+// Chambers: few chosen values, negative where it is open, subdivided [Ju01 §4].
 
 #include <cstdint>
 #include <span>
@@ -28,7 +28,7 @@ struct ChamberPreset {
   std::string lattice;  ///< as parse_lattice() takes it
   double cell;          ///< metres a side of one of its cells, unless the user says
 };
-/// "storage" and "queen" are document 001's.
+/// "storage" and "queen" are [Ju01]'s.
 std::span<const ChamberPreset> chamber_presets();
 /// Throws Error{usage} naming the nearest known one.
 const ChamberPreset& find_chamber_preset(std::string_view name);

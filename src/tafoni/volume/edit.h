@@ -1,5 +1,5 @@
 #pragma once
-// Edits of scalar grids: tools that remove or add material, and explosions (document 002).
+// Edits of scalar grids: tools that remove or add material, and explosions [Ruths01].
 //
 // Every edit takes the grid's amplitude, the greatest magnitude that its values saturate at. Nothing beyond
 // it is written, so that rock and air away from the surface stay uniform and their chunks one value.
@@ -22,7 +22,7 @@ SampleBox apply(ScalarGrid& grid, const Tool& tool, Edit edit, double amplitude)
 SampleBox add_radial(ScalarGrid& grid, Vec3d center, double radius,
                      const std::function<double(double)>& change, double amplitude);
 
-/// Subtracts energy * (1 - (r / radius)^2)^3; a negative energy adds. Document 002 has rock negative and
+/// Subtracts energy * (1 - (r / radius)^2)^3; a negative energy adds. [Ruths01] has rock negative and
 /// adds. Otherwise as add_radial().
 SampleBox explode(ScalarGrid& grid, Vec3d center, double radius, double energy, double amplitude);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Fractal volumes by 3D midpoint subdivision (document 001, sections 2 and 4).
+// Fractal volumes by 3D midpoint subdivision [Ju01 §2, §4].
 
 #include <cstdint>
 #include <memory>
@@ -39,7 +39,7 @@ struct FractalSettings {
 
 /// Each subdivision keeps every sample and puts a new one in the middle of every edge, face and cell. Its
 /// value is the four-point interpolation of Dubuc (1986), -1 9 9 -1 over 16, along each axis in which it is
-/// new, plus noise that is uniform in +-amplitude. Document 001 takes the average of the nearest (1 1 over
+/// new, plus noise that is uniform in +-amplitude. [Ju01] takes the average of the nearest (1 1 over
 /// 2), which leaves creases along the planes of every lattice, plainest where the last levels are smooth;
 /// four points give a C1 surface without them, keep planes exactly, and cost about as much. Beyond the border
 /// values go on straight. Noise is a function of (seed, level, sample), so any part of the lattice, on any

@@ -35,7 +35,7 @@ struct PrismLeafSettings {
   /// Local elevation: matter that ends there or lower goes on below without end.
   double floor = -std::numeric_limits<double>::infinity();
   /// Share of the columns' spacing over which values near the surface are averaged across; 0: not at all.
-  /// Document 000 ends matter at columns, and so rims in teeth and round shafts in stairs; at 0.7 they are
+  /// [Boggus] ends matter at columns, and so rims in teeth and round shafts in stairs; at 0.7 they are
   /// gone, and with them sheets that are thinner than a quarter of the spacing.
   double rounding = 0;
 };

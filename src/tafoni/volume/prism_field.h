@@ -1,5 +1,5 @@
 #pragma once
-// Prism-fields (document 000, Boggus and Crawfis): ground as an ordered array of layers, each with a top and
+// Prism-fields ([Boggus], Boggus and Crawfis): ground as an ordered array of layers, each with a top and
 // a bottom at every sample of a regular grid; between them is matter. A point of a layer without matter is
 // inactive, which makes shafts; several layers over each other make tunnels.
 
@@ -60,7 +60,7 @@ struct ColumnBlock {
   }
 };
 
-/// What becomes of a cell of the grid one of whose corners has no matter (document 000, figure 6).
+/// What becomes of a cell of the grid one of whose corners has no matter [Boggus fig. 6].
 enum class DeadPoints {
   triangles,  ///< a cell with one dead corner is half full
   quads,      ///< a cell with a dead corner is empty
@@ -84,7 +84,7 @@ class PrismFields {
   Matter point(int layer, int i, int j) const;
 
   /// Removes or adds what lies inside the tool, at the columns inside its outline and nowhere else
-  /// (document 000, section 3). Removing lowers tops, raises bottoms, deactivates a point whose top and
+  /// [Boggus §3]. Removing lowers tops, raises bottoms, deactivates a point whose top and
   /// bottom cross, and splits a layer the tool passes inside of: what is above goes to a layer above that has
   /// room in this column, of several to the one whose matter in the columns around overlaps most, and where
   /// there is none to a new P[i + 1]. Adding, which the paper only names, raises tops and lowers bottoms,

@@ -1,6 +1,6 @@
 #pragma once
-// Sampled fields (documents 001 and 002): a dense lattice of values in chunks, sparse where uniform.
-// Solid where a value is > 0, open where < 0, as document 001 has it.
+// Sampled fields ([Ju01], [Ruths01]): a dense lattice of values in chunks, sparse where uniform.
+// Solid where a value is > 0, open where < 0, as [Ju01] has it.
 
 #include <cstdint>
 #include <functional>

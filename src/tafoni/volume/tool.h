@@ -1,5 +1,5 @@
 #pragma once
-// Tools: convex shapes that remove or add material (documents 000 and 002).
+// Tools: convex shapes that remove or add material ([Boggus], [Ruths01]).
 
 #include <cstdint>
 #include <memory>
@@ -45,7 +45,7 @@ class Tool {
   struct Span {
     double lo, hi;  ///< z, lo < hi
   };
-  /// Where the vertical line at (x, y) passes through the inside (document 000, section 3).
+  /// Where the vertical line at (x, y) passes through the inside [Boggus §3].
   std::optional<Span> column(double x, double y) const;
 
   struct Shape;

@@ -1,5 +1,5 @@
 #pragma once
-// Fractal tunnels: open space about a midpoint-displaced axis (document 001, section 3).
+// Fractal tunnels: open space about a midpoint-displaced axis [Ju01 §3].
 
 #include <cstdint>
 #include <functional>
@@ -55,7 +55,7 @@ double distance(const Tunnel& tunnel, Vec3d p);
 Box3d bounds(const Tunnel& tunnel, double reach);
 
 /// f = min(f, distance(p)) at every sample where distance(p) < reach, to a rounding of floats. No sample
-/// rises. Document 001 propagates distances from the axis from sample to sample; here they go out brick by
+/// rises. [Ju01] propagates distances from the axis from sample to sample; here they go out brick by
 /// brick of 8^3 samples as far as a segment reaches, stop where all that stands is lower, and only the
 /// segments that may be the nearest in a brick are looked at in it: exact, and time and memory follow the
 /// tunnel's volume, not the grid's. Gives the box of what changed.

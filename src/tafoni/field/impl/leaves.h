@@ -1,5 +1,5 @@
 #pragma once
-// The two leaves that cover the plane: the heightfield and the domain prism (document 003, section 5.1).
+// The two leaves that cover the plane: the heightfield and the domain prism [Paris19 §5.1].
 
 #include <algorithm>
 #include <cmath>

@@ -33,7 +33,7 @@ const OperatorType& operator_blend() {
   static const OperatorType type{
       "blend",
       "Sum of the operands",
-      "document 003, section 5.3",
+      "[Paris19 §5.3]",
       {},
       [](Interval a, Interval b, float) { return a + b; },
       [](Interval a, Interval b, float) {

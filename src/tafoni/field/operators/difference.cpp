@@ -33,7 +33,7 @@ const OperatorType& operator_difference() {
   static const OperatorType type{
       "difference",
       "The first operand without the solid of the second: min(a, -b)",
-      "document 003, section 5.3",
+      "[Paris19 §5.3]",
       {},
       [](Interval a, Interval b, float) {
         return Interval{std::min(a.lo, -b.hi), std::min(a.hi, -b.lo)};

@@ -108,7 +108,7 @@ const OperatorType& operator_erode() {
   static const OperatorType type{
       "erode",
       "Takes off material where a control field says so, the more the softer the rock",
-      "document 003, section 5.3",
+      "[Paris19 §5.3]",
       ParamTable<Params>().real("depth", &Params::depth, "m", 0, 1e4,
                                 "What is taken off the field where the control is 1 and the resistance 0"),
       nullptr,

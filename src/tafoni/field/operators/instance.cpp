@@ -250,7 +250,7 @@ const OperatorType& operator_instance() {
   static const OperatorType type{
       "instance",
       "Sum of many copies of a tree that vanishes outside of a box, each placed as transform does",
-      "document 003, section 8.3",
+      "[Paris19 §8.3]",
       impl::placement_params(),
       nullptr,
       nullptr,

@@ -33,7 +33,7 @@ const OperatorType& operator_intersection() {
   static const OperatorType type{
       "intersection",
       "Solid where all operands are: the least value",
-      "document 003, section 5.3",
+      "[Paris19 §5.3]",
       {},
       [](Interval a, Interval b, float) {
         return Interval{std::min(a.lo, b.lo), std::min(a.hi, b.hi)};

@@ -42,7 +42,7 @@ const OperatorType& operator_morph() {
   static const OperatorType type{
       "morph",
       "From the first operand to the second: a (1 - alpha) + b alpha",
-      "document 004",
+      "[Zawadzki]",
       ParamTable<Params>().real("alpha", &Params::alpha, "", 0, 1, "0 is the first operand, 1 the second"),
       [](Interval a, Interval b, float alpha) {
         const float rest = 1 - alpha;

@@ -90,7 +90,7 @@ const OperatorType& operator_transform() {
   static const OperatorType type{
       "transform",
       "A tree moved, turned and scaled; lengths and field values alike, so that the field stays in metres",
-      "document 003, section 8.3",
+      "[Paris19 §8.3]",
       impl::placement_params(),
       nullptr,
       nullptr,

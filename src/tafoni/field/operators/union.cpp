@@ -33,7 +33,7 @@ const OperatorType& operator_union() {
   static const OperatorType type{
       "union",
       "Solid where any operand is: the greatest value",
-      "document 003, section 5.3",
+      "[Paris19 §5.3]",
       {},
       [](Interval a, Interval b, float) {
         return Interval{std::max(a.lo, b.lo), std::max(a.hi, b.hi)};

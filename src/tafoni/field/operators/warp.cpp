@@ -225,7 +225,7 @@ const OperatorType& operator_warp() {
   static const OperatorType type{
       "warp",
       "Moves the positions at which a tree is asked by noise, where a control field says so",
-      "document 003, section 5.3",
+      "[Paris19 §5.3]",
       ParamTable<Params>()
           .real("lateral_amplitude", &Params::lateral_amplitude, "m", 0, 1e4,
                 "Greatest displacement along x and y")

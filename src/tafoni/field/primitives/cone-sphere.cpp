@@ -63,7 +63,7 @@ const PrimitiveType& primitive_cone_sphere() {
     PrimitiveType t;
     t.name = "cone-sphere";
     t.doc = "Constant inside the hull of two balls, the first at the anchor, then falls off";
-    t.source = "document 003, section 5.2";
+    t.source = "[Paris19 §5.2]";
     t.params =
         ParamTable<Params>()
             .real("radius", &Params::radius, "m", 1e-3, 1e4,

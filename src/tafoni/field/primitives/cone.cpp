@@ -58,7 +58,7 @@ const PrimitiveType& primitive_cone() {
     PrimitiveType t;
     t.name = "cone";
     t.doc = "Constant inside a flat-capped cone that stands on the anchor, then falls off";
-    t.source = "document 003, section 5.2";
+    t.source = "[Paris19 §5.2]";
     t.params = ParamTable<Params>()
                    .real("radius", &Params::radius, "m", 1e-3, 1e4,
                          "Rounding: how far the body reaches beyond the shape that the other numbers give")

@@ -54,7 +54,7 @@ const PrimitiveType& primitive_curve() {
     PrimitiveType t;
     t.name = "curve";
     t.doc = "Falls off from a curve, held as a chain of segments";
-    t.source = "document 003, section 5.2";
+    t.source = "[Paris19 §5.2]";
     t.params = ParamTable<Params>()
                    .real("radius", &Params::radius, "m", 1e-3, 1e4, "Where the falloff reaches zero")
                    .real("dx", &Params::dx, "m", -1e4, 1e4, "A further vertex relative to the first, east")

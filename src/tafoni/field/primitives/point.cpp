@@ -44,7 +44,7 @@ const PrimitiveType& primitive_point() {
     PrimitiveType t;
     t.name = "point";
     t.doc = "Falls off from a point";
-    t.source = "document 003, section 5.2";
+    t.source = "[Paris19 §5.2]";
     t.params = ParamTable<Params>().real("radius", &Params::radius, "m", 1e-3, 1e4,
                                          "Where the falloff reaches zero");
     t.extent = [](std::span<const float>) { return 0.f; };

@@ -80,7 +80,7 @@ const PrimitiveType& primitive_pyramid() {
     PrimitiveType t;
     t.name = "pyramid";
     t.doc = "Constant inside a pyramid whose base the anchor is the middle of, then falls off";
-    t.source = "document 003, section 5.2";
+    t.source = "[Paris19 §5.2]";
     t.params = ParamTable<Params>()
                    .real("radius", &Params::radius, "m", 1e-3, 1e4,
                          "Rounding: how far the body reaches beyond the shape that the other numbers give")

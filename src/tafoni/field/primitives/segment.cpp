@@ -46,7 +46,7 @@ const PrimitiveType& primitive_segment() {
     PrimitiveType t;
     t.name = "segment";
     t.doc = "Falls off from a line segment";
-    t.source = "document 003, section 5.2";
+    t.source = "[Paris19 §5.2]";
     t.params = ParamTable<Params>()
                    .real("radius", &Params::radius, "m", 1e-3, 1e4, "Where the falloff reaches zero")
                    .real("dx", &Params::dx, "m", -1e4, 1e4, "End of the segment relative to its start, east")

@@ -44,7 +44,7 @@ const PrimitiveType& primitive_sphere() {
     PrimitiveType t;
     t.name = "sphere";
     t.doc = "Constant inside a ball, then falls off over the influence radius";
-    t.source = "document 003, section 5.2";
+    t.source = "[Paris19 §5.2]";
     t.params = ParamTable<Params>().real("radius", &Params::radius, "m", 1e-3, 1e4, "Radius of the ball");
     t.volumetric = true;
     t.extent = [](std::span<const float>) { return 0.f; };

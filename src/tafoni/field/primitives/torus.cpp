@@ -54,7 +54,7 @@ const PrimitiveType& primitive_torus() {
     PrimitiveType t;
     t.name = "torus";
     t.doc = "Constant inside a torus about the anchor, then falls off";
-    t.source = "document 003, section 5.2";
+    t.source = "[Paris19 §5.2]";
     t.params = ParamTable<Params>()
                    .real("radius", &Params::radius, "m", 1e-3, 1e4, "Radius of the tube")
                    .real("dx", &Params::dx, "m", -1e4, 1e4, "Normal of its plane, east")

@@ -1,5 +1,5 @@
 #pragma once
-// Skeletal primitives that change resistance about a skeleton (document 003, sections 4.2 and 5.2).
+// Skeletal primitives that change resistance about a skeleton [Paris19 §4.2, §5.2].
 
 #include <string>
 #include <utility>

@@ -31,7 +31,7 @@ GeologyPtr make(const Values&, std::vector<GeologyPtr> children, std::uint64_t) 
 
 const GeologyType& geology_blend() {
   static const GeologyType type{
-      "blend", "The sum of its children's resistances", "Paris et al. 2019, section 4.2", {}, 1, 1000, &make};
+      "blend", "The sum of its children's resistances", "[Paris19 §4.2]", {}, 1, 1000, &make};
   return type;
 }
 

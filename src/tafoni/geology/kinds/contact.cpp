@@ -64,7 +64,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr> children, std::uin
 const GeologyType& geology_contact() {
   static const GeologyType type{"contact",
                                 "Two rocks side by side: the second child inside a domain, the first outside",
-                                "Paris et al. 2019, section 4 and figure 3",
+                                "[Paris19 §4, fig. 3]",
                                 table().infos(),
                                 2,
                                 3,

@@ -81,7 +81,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
 const GeologyType& geology_curve() {
   static const GeologyType type{"curve",
                                 "Adds resistance along a curve, or takes it away; 0 elsewhere",
-                                "Paris et al. 2019, section 4.2",
+                                "[Paris19 §4.2]",
                                 table().infos(),
                                 0,
                                 0,

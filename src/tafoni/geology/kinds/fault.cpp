@@ -53,7 +53,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr> children, std::uin
 const GeologyType& geology_fault() {
   static const GeologyType type{"fault",
                                 "Moves the rock of its child inside a domain; it is torn along the border",
-                                "Paris et al. 2019, section 4.4",
+                                "[Paris19 §4.4]",
                                 table().infos(),
                                 1,
                                 2,

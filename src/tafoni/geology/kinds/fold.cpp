@@ -94,7 +94,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr> children, std::uin
 const GeologyType& geology_fold() {
   static const GeologyType type{"fold",
                                 "Folds its child by turbulence, by regular waves or by both",
-                                "Paris et al. 2019, section 4.3",
+                                "[Paris19 §4.3]",
                                 table().infos(),
                                 1,
                                 1,

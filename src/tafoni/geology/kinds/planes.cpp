@@ -87,7 +87,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
 const GeologyType& geology_planes() {
   static const GeologyType type{"planes",
                                 "Parallel bands about planes of any dip, harder or softer than the rest",
-                                "Paris et al. 2019, section 4.2",
+                                "[Paris19 §4.2]",
                                 table().infos(),
                                 0,
                                 0,

@@ -49,7 +49,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
 const GeologyType& geology_sphere() {
   static const GeologyType type{"sphere",
                                 "Adds resistance about places, or takes it away; 0 elsewhere",
-                                "Paris et al. 2019, section 4.2",
+                                "[Paris19 §4.2]",
                                 table().infos(),
                                 0,
                                 0,

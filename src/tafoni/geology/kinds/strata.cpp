@@ -214,7 +214,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
 const GeologyType& geology_strata() {
   static const GeologyType type{"strata",
                                 "Beds of hard and soft rock, one above the other",
-                                "Paris et al. 2019, section 4.2, as a sequence of beds",
+                                "[Paris19 §4.2], as a sequence of beds",
                                 table().infos(),
                                 0,
                                 0,

@@ -64,7 +64,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr> children, std::uin
 const GeologyType& geology_taper() {
   static const GeologyType type{"taper",
                                 "Compresses or swells the beds of its child about a place",
-                                "Paris et al. 2019, section 4.3",
+                                "[Paris19 §4.3]",
                                 table().infos(),
                                 1,
                                 1,

@@ -67,7 +67,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
 const GeologyType& geology_turbulence() {
   static const GeologyType type{"turbulence",
                                 "Beds and lenses from fractal noise of the elevation",
-                                "Paris et al. 2019, section 4.1",
+                                "[Paris19 §4.1]",
                                 table().infos(),
                                 0,
                                 0,

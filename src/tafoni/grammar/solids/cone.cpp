@@ -47,7 +47,7 @@ const SolidType& solid_cone() {
       "cone",
       "An upright cone, whole or cut off; bonds in the middles of its ends and on four sides; a point's has "
       "no direction",
-      "document 004, section 2.1",
+      "[Zawadzki §2.1]",
       table(),
       [](const Values& sizes) { return impl::made<Cone>(table(), sizes, "cone"); },
       [](Vec3d half) {

@@ -30,7 +30,7 @@ const std::vector<ParamInfo>& table() {
 const SolidType& solid_cube() {
   static const SolidType type{"cube",
                               "A cuboid; bonds in the middles of its six faces",
-                              "document 004, section 2.5 and figure 6",
+                              "[Zawadzki §2.5, fig. 6]",
                               table(),
                               [](const Values& sizes) { return impl::made<Cube>(table(), sizes, "cube"); },
                               [](Vec3d half) {

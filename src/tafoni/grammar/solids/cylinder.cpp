@@ -29,7 +29,7 @@ const SolidType& solid_cylinder() {
   static const SolidType type{
       "cylinder",
       "An upright cylinder; bonds in the middles of its ends and on four sides",
-      "document 004, section 2.2",
+      "[Zawadzki §2.2]",
       table(),
       [](const Values& sizes) { return impl::made<Cylinder>(table(), sizes, "cylinder"); },
       [](Vec3d half) {

@@ -58,7 +58,7 @@ const SolidType& solid_ellipsoid() {
   static const SolidType type{
       "ellipsoid",
       "An ellipsoid, by its true distance; bonds at its six poles",
-      "document 004, section 2.1",
+      "[Zawadzki §2.1]",
       table(),
       [](const Values& sizes) { return impl::made<Ellipsoid>(table(), sizes, "ellipsoid"); },
       [](Vec3d half) {

@@ -14,7 +14,7 @@ struct Empty final : Solid {
 const SolidType& solid_empty() {
   static const SolidType type{"empty",
                               "Nothing: what a grammar begins with, and what ends a branch of it",
-                              "document 004, section 2.1",
+                              "[Zawadzki §2.1]",
                               {},
                               [](const Values& sizes) { return impl::made<Empty>({}, sizes, "empty"); },
                               [](Vec3d) { return Values{}; }};

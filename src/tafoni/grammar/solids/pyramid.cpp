@@ -56,7 +56,7 @@ const SolidType& solid_pyramid() {
   static const SolidType type{
       "pyramid",
       "A pyramid on a rectangle; bonds in the middles of its five faces, and at its point, without direction",
-      "document 004, section 2.1",
+      "[Zawadzki §2.1]",
       table(),
       [](const Values& sizes) { return impl::made<Pyramid>(table(), sizes, "pyramid"); },
       [](Vec3d half) {

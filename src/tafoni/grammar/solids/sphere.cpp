@@ -23,7 +23,7 @@ const SolidType& solid_sphere() {
   static const SolidType type{
       "sphere",
       "A sphere; bonds at its six poles",
-      "document 004, section 2.2",
+      "[Zawadzki §2.2]",
       table(),
       [](const Values& sizes) { return impl::made<Sphere>(table(), sizes, "sphere"); },
       [](Vec3d half) {

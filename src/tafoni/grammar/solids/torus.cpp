@@ -36,7 +36,7 @@ const std::vector<ParamInfo>& table() {
 const SolidType& solid_torus() {
   static const SolidType type{"torus",
                               "A ring that lies flat; bonds on four sides of its outer rim, on top and below",
-                              "document 004, section 2.1",
+                              "[Zawadzki §2.1]",
                               table(),
                               [](const Values& sizes) { return impl::made<Torus>(table(), sizes, "torus"); },
                               [](Vec3d half) {

@@ -422,7 +422,7 @@ const LandformType& landform_arch() {
   static const LandformType type{
       "arch",
       "Arches through fins, ridges and cliff rims, natural bridges across canyons and between given points",
-      "Paris et al. 2019, sections 5.2 and 6.1, figures 8 and 23", table().infos(), &generate};
+      "[Paris19 §5.2, §6.1, figs. 8, 23]", table().infos(), &generate};
   return type;
 }
 

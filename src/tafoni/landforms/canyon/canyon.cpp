@@ -291,7 +291,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 const LandformType& landform_canyon() {
   static const LandformType type{
       "canyon", "Walls that rivers undercut, most at outer bends and in soft beds, and slot canyons",
-      "Paris et al. 2019, section 6.1", table().infos(), &generate};
+      "[Paris19 §6.1]", table().infos(), &generate};
   return type;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Rivers of a terrain and what they do to their banks (document 003, section 6.1).
+// Rivers of a terrain and what they do to their banks [Paris19 §6.1].
 
 #include <vector>
 

@@ -49,7 +49,7 @@ struct Blast {
   bool thrown;  ///< whether it lies at the surface, so that there is a rim
 };
 
-/// Document 002 adds a symmetric falloff to the values around the place; that is what a blended point is.
+/// [Ruths01] adds a symmetric falloff to the values around the place; that is what a blended point is.
 class Craters {
  public:
   Craters(const Ground& ground, const Params& p)

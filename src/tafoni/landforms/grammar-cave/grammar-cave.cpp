@@ -493,7 +493,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 const LandformType& landform_grammar_cave() {
   static const LandformType type{
       "grammar-cave", "Caves of a shape grammar with morphing: solids joined, cut and morphed by productions",
-      "Zawadzki et al., Hybrid of Shape Grammar and Morphing (document 004)", table().infos(), &generate};
+      "Zawadzki et al., Hybrid of Shape Grammar and Morphing [Zawadzki]", table().infos(), &generate};
   return type;
 }
 

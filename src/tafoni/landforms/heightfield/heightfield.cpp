@@ -131,7 +131,7 @@ const LandformType& landform_heightfield() {
   static const LandformType type{
       "heightfield",
       "Another elevation model in the same scene, upright or inverted, within the region's outline",
-      "Paris et al. 2019, sections 2 and 5.1", table().infos(), &generate};
+      "[Paris19 §2, §5.1]", table().infos(), &generate};
   return type;
 }
 

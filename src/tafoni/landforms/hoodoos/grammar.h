@@ -1,5 +1,5 @@
 #pragma once
-// An open parameterized grammar of solids (document 003, section 6.3): rules are rows of text, symbols see
+// An open parameterized grammar of solids [Paris19 §6.3]: rules are rows of text, symbols see
 // the rock and the ground where they stand while they grow (Mech and Prusinkiewicz 1996).
 
 #include <array>

@@ -261,7 +261,7 @@ class Hoodoos {
     return result;
   }
 
-  /// Upright creases and cracks (document 003, figure 5): a warp of short lateral wavelength.
+  /// Upright creases and cracks [Paris19 fig. 5]: a warp of short lateral wavelength.
   field::NodePtr creased(field::NodePtr rock) const {
     if (p_.creases == 0) return rock;
     field::WarpSettings warp;
@@ -300,7 +300,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 const LandformType& landform_hoodoos() {
   static const LandformType type{
       "hoodoos", "Pillars of bedded rock with necks where it is soft and caps where it is hard",
-      "Paris et al. 2019, section 6.3", table().infos(), &generate};
+      "[Paris19 §6.3]", table().infos(), &generate};
   return type;
 }
 

@@ -368,7 +368,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 const LandformType& landform_islands() {
   static const LandformType type{
       "islands", "Floating islands: each the rock between a piece of terrain and an inverted one",
-      "Paris et al. 2019, section 5.1 and figure 20", table().infos(), &generate};
+      "[Paris19 §5.1, fig. 20]", table().infos(), &generate};
   return type;
 }
 

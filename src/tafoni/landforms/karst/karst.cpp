@@ -309,7 +309,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 const LandformType& landform_karst() {
   static const LandformType type{
       "karst", "Caves that water opens through soft rock, with sinkholes above and exits in cliffs",
-      "Paris et al. 2019, section 6.2", table().infos(), &generate};
+      "[Paris19 §6.2]", table().infos(), &generate};
   return type;
 }
 

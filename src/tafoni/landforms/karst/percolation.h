@@ -1,5 +1,5 @@
 #pragma once
-// Modified invasion percolation (document 003, section 6.2): water works its way down through the least
+// Modified invasion percolation [Paris19 §6.2]: water works its way down through the least
 // resistant rock.
 
 #include <cstdint>

@@ -129,7 +129,7 @@ const LandformType& landform_overhang() {
   static const LandformType type{
       "overhang",
       "Faces that bulge and lean out over their feet, by moving space sideways at changing heights",
-      "Paris et al. 2019, section 5.3, after Gamito and Musgrave 2001", table().infos(), &generate};
+      "[Paris19 §5.3], after Gamito and Musgrave 2001", table().infos(), &generate};
   return type;
 }
 

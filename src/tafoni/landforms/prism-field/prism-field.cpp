@@ -130,7 +130,7 @@ class Digging {
     return {x, y, random_.uniform(room_.lo.z, std::max(room_.lo.z, top))};
   }
 
-  /// Document 000, figure 7: "a destructive sphere was randomly and discontinuously moved about".
+  /// [Boggus fig. 7]: "a destructive sphere was randomly and discontinuously moved about".
   void dig(PrismFields& fields) {
     const Vec3d sides = room_.size();
     const double shorter = std::min({sides.x, sides.y, sides.z});
@@ -385,7 +385,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 const LandformType& landform_prism_field() {
   static const LandformType type{
       "prism-field", "Ground as layers of columns, dug and built with spheres, capsules, boxes and hulls",
-      "Boggus and Crawfis (document 000), section 3 and figures 7 and 8", table().infos(), &generate};
+      "Boggus and Crawfis [Boggus], section 3 and figures 7 and 8", table().infos(), &generate};
   return type;
 }
 

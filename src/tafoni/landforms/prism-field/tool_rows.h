@@ -1,5 +1,5 @@
 #pragma once
-// Tables of tools in scene files: what document 000's artist does with the mouse, written down.
+// Tables of tools in scene files: what [Boggus]'s artist does with the mouse, written down.
 
 #include <string_view>
 #include <vector>

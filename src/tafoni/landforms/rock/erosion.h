@@ -1,5 +1,5 @@
 #pragma once
-// How strongly rock is carved (document 003, section 6.1), and the primitives that do it.
+// How strongly rock is carved [Paris19 §6.1], and the primitives that do it.
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 #pragma once
 // A terrain made anew as a volume: 3D midpoint subdivision from the shape of the terrain that stands
-// (document 001, section 2).
+// [Ju01 §2].
 
 #include <optional>
 #include <vector>

@@ -205,7 +205,7 @@ class SeaCliff {
     return steep > 0 ? steep * nearness(at.position) * ground_.weight(at.position) : 0;
   }
 
-  /// sigma = w alpha (document 003, section 6.1), spared where the ground is a platform.
+  /// sigma = w alpha [Paris19 §6.1], spared where the ground is a platform.
   double stress(const SurfacePoint& at) const {
     const double u = (at.position.z - sea_z_) / p_.range;
     if (u * u >= 1) return 0;
@@ -462,7 +462,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 const LandformType& landform_sea_cliff() {
   static const LandformType type{
       "sea-cliff", "Wave-cut notches, overhanging cliffs, sea caves and arches about the sea level",
-      "Paris et al. 2019, section 6.1", table().infos(), &generate};
+      "[Paris19 §6.1]", table().infos(), &generate};
   return type;
 }
 

@@ -29,7 +29,7 @@ struct SurfaceSampling {
   std::function<bool(const SurfacePoint&)> accept;
 };
 
-/// Blue noise on f = 0 (document 003, section 6.1): jittered candidates in every lattice cell that the
+/// Blue noise on f = 0 [Paris19 §6.1]: jittered candidates in every lattice cell that the
 /// surface cuts, projected along the gradient, thinned by dart throwing in an order that depends on the seed
 /// alone. Returned in random order, so that every prefix is spread over the whole too. Throws Error{usage}
 /// for a spacing so small that the box has more than 2^22 lattice columns of 64 x 64 cells.

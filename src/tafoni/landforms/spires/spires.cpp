@@ -209,7 +209,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 const LandformType& landform_spires() {
   static const LandformType type{"spires",
                                  "Tall towers of bedded rock that stand between joints, singly and in groves",
-                                 "Paris et al. 2019, figures 1 and 20", table().infos(), &generate};
+                                 "[Paris19 figs. 1, 20]", table().infos(), &generate};
   return type;
 }
 

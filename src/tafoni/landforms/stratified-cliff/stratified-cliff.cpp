@@ -270,7 +270,7 @@ const LandformType& landform_stratified_cliff() {
   static const LandformType type{
       "stratified-cliff",
       "Faces whose soft beds recede between hard ones that overhang, without any primitive",
-      "Paris et al. 2019, section 5.3", table().infos(), &generate};
+      "[Paris19 §5.3]", table().infos(), &generate};
   return type;
 }
 

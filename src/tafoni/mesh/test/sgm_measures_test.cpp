@@ -1,4 +1,4 @@
-// The measures of document 004 against solids that are known exactly.
+// The measures of [Zawadzki] against solids that are known exactly.
 
 #include <cmath>
 #include <filesystem>

@@ -1,5 +1,5 @@
 #pragma once
-// A scene cut open to show its rock (document 003, figures 3 and 4).
+// A scene cut open to show its rock [Paris19 figs. 3, 4].
 
 #include "tafoni/core/progress.h"
 #include "tafoni/mesh/mesh.h"

@@ -1,5 +1,5 @@
 #pragma once
-// The seven measures of document 004, section 4.
+// The seven measures of [Zawadzki §4].
 
 #include <cstdint>
 #include <optional>

@@ -14,7 +14,7 @@
 namespace tafoni::scene {
 
 /// Takes what a brush makes of one stroke. Positions are local metres. The strength, the sign and the noise
-/// on the metric (document 003, section 5.2) are the stroke's.
+/// on the metric [Paris19 §5.2] are the stroke's.
 class Dab {
  public:
   virtual ~Dab() = default;

@@ -1,5 +1,5 @@
 #pragma once
-// A stroke of sculpting (document 003, sections 3.2 and 8.2): an operation, not voxels.
+// A stroke of sculpting [Paris19 §3.2, §8.2]: an operation, not voxels.
 
 #include <cstdint>
 #include <string>

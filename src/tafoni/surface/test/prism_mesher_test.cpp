@@ -53,7 +53,7 @@ TEST(PrismMesh, BoxIsABox) {
   }
 }
 
-// Document 000, figure 6: 3 x 3 samples, the one in the middle or at a corner dead.
+// [Boggus fig. 6]: 3 x 3 samples, the one in the middle or at a corner dead.
 TEST(PrismMesh, DeadPointsAsInFigure6) {
   const ColumnFrame frame{{}, 1, 1, 3, 3};
   const auto area_of_top = [&](int i, int j, DeadPoints dead) {

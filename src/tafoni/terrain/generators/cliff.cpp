@@ -94,7 +94,7 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 
 const GeneratorType& generator_cliff() {
   static const GeneratorType type{"cliff", "A plateau, one cliff and a shelf: a block to show rock on",
-                                  "Paris et al. 2019, figure 4", table().infos(), &generate};
+                                  "[Paris19 fig. 4]", table().infos(), &generate};
   return type;
 }
 

@@ -116,7 +116,7 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 const GeneratorType& generator_headland() {
   static const GeneratorType type{"headland",
                                   "A headland of bedded limestone with upright cliffs between two coves",
-                                  "the setting of Paris et al. 2019, figure 25", table().infos(), &generate};
+                                  "the setting of [Paris19 fig. 25]", table().infos(), &generate};
   return type;
 }
 

@@ -2,7 +2,7 @@
 // How the columns of a prism-field connect: the matter of one cell of the grid as slabs, each a prism between
 // a bottom and a top at its corners.
 //
-// Document 000 leaves open which of a column's intervals belongs to which layer where layers split, and so
+// [Boggus] leaves open which of a column's intervals belongs to which layer where layers split, and so
 // what is connected. Here matter connects where it overlaps: intervals of columns beside each other that
 // share an elevation are one piece. So the solid is a function of the columns as sets, whatever tools in
 // whatever order made them, and no slit opens where layers change hands. The price: the intervals of a sheet
@@ -10,7 +10,7 @@
 // from matter that ends here and begins anew there. Air between two slabs that ends beside a column, which is
 // solid there, is pinched shut at a *seam*: a level inside that column's matter at the mean elevation of the
 // air around. A piece of matter that lacks one corner of a cell (a dead point) fills the triangle of the
-// others, one that lacks more nothing (document 000, figure 6).
+// others, one that lacks more nothing [Boggus fig. 6].
 
 #include <array>
 #include <cstdint>

@@ -12,7 +12,7 @@
 namespace tafoni::volume {
 namespace {
 
-/// Document 001's cube: air on top, rock below.
+/// [Ju01]'s cube: air on top, rock below.
 FractalSettings plane(Vec3i cells, int levels) {
   FractalSettings s;
   s.cells = cells;

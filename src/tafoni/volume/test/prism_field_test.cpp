@@ -140,7 +140,7 @@ TEST(PrismFields, EveryLayerHoldsMatterAndRowsAreInOrder) {
   }
 }
 
-// Document 000, section 3, figures 3 and 5.
+// [Boggus §3, figs. 3, 5].
 TEST(PrismFields, TunnelsVerticallyAndHorizontally) {
   const ColumnFrame frame{{}, 1, 1, 21, 21};
   PrismFields fields = box_of_rock(frame, 0, 10);

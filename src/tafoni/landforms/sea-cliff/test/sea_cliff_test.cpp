@@ -79,7 +79,7 @@ double energy_in(const Coast& coast, const Box3d& box, Values values) {
   return sum;
 }
 
-// e(rho, sigma) = sigma ((1 - rho)(1 - beta) + beta), document 003, section 6.1.
+// e(rho, sigma) = sigma ((1 - rho)(1 - beta) + beta), [Paris19 §6.1].
 TEST(SeaCliff, EnergyFollowsResistance) {
   const auto energy = [](double rho) {
     return energy_in(Coast([rho](Vec3d) { return rho; }), face, {{"beta", 0.3}});

@@ -85,7 +85,7 @@ const BrushType& brush_arch() {
     BrushType t;
     t.name = "arch";
     t.doc = "Between two feet: a rock arch (add), or an arched opening through a wall (carve)";
-    t.source = "document 003, section 8.2";
+    t.source = "[Paris19 §8.2]";
     t.params = params();
     t.min_points = t.max_points = 2;
     t.apply = &apply;

@@ -89,7 +89,7 @@ const BrushType& brush_cave() {
     BrushType t;
     t.name = "cave";
     t.doc = "A passage of irregular width along a curve, with rooms; one point alone is a room";
-    t.source = "document 003, section 8.2";
+    t.source = "[Paris19 §8.2]";
     t.params = params();
     t.max_points = 10000;
     t.apply = &apply;

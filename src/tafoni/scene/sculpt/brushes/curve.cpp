@@ -33,7 +33,7 @@ const BrushType& brush_curve() {
     BrushType t;
     t.name = "curve";
     t.doc = "A rough tunnel or ridge along a curve";
-    t.source = "document 003, sections 5.2 and 8.2";
+    t.source = "[Paris19 §5.2, §8.2]";
     t.params = params();
     t.min_points = 2;
     t.max_points = 10000;

@@ -25,7 +25,7 @@ const BrushType& brush_paint() {
     BrushType t;
     t.name = "paint";
     t.doc = "Weight along a line, in a mask that layers take as mask = \"paint:NAME\"";
-    t.source = "document 003, section 8.2";
+    t.source = "[Paris19 §8.2]";
     t.params = params();
     t.max_points = 10000;
     t.paint = &paint;

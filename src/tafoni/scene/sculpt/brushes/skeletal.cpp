@@ -61,7 +61,7 @@ const BrushType& brush_skeletal() {
     BrushType t;
     t.name = "skeletal";
     t.doc = "One primitive of any registered kind at each point; a chain through the points for a curve";
-    t.source = "document 003, sections 5.2 and 8.2";
+    t.source = "[Paris19 §5.2, §8.2]";
     t.params = params();
     t.more = &more;
     t.apply = &apply;

@@ -14,7 +14,7 @@ const BrushType& brush_sphere() {
     BrushType t;
     t.name = "sphere";
     t.doc = "A rough ball of rock or air at each point";
-    t.source = "document 003, sections 5.2 and 8.2";
+    t.source = "[Paris19 §5.2, §8.2]";
     t.apply = &apply;
     return t;
   }();
