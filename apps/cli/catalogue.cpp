@@ -21,7 +21,8 @@ template <class T>
 Topic topic(const char* name, const char* doc, std::span<const T* const> types) {
   Topic out{name, doc, {}};
   for (const T* type : types)
-    out.entries.push_back({type->name, type->doc, type->source, {}, type->params, {}});
+    out.entries.push_back(
+        {type->about.name, type->about.doc, type->about.source, {}, type->about.params, {}});
   return out;
 }
 
@@ -47,7 +48,8 @@ Topic formats() {
     if (type->read_mesh) note += type->write_mesh ? " and reads them" : " reads meshes";
     if (type->write_image) note += " writes pictures";
     if (type->write_volume) note += type->read_volume ? " writes volumes and reads them" : " writes volumes";
-    out.entries.push_back({type->name, type->doc, type->source, note, type->params, {}});
+    out.entries.push_back(
+        {type->about.name, type->about.doc, type->about.source, note, type->about.params, {}});
   }
   return out;
 }
@@ -58,7 +60,8 @@ Topic rocks() {
     const std::string note = type->max_children == 0 ? ""
                                                      : fmt::format("Takes {}, each written [[geology.of]].",
                                                                    geology::children_text(*type));
-    out.entries.push_back({type->name, type->doc, type->source, note, type->params, {}});
+    out.entries.push_back(
+        {type->about.name, type->about.doc, type->about.source, note, type->about.params, {}});
   }
   return out;
 }
@@ -106,9 +109,10 @@ Topic sections() {
 Topic commands() {
   Topic out{"commands", "Subcommands of tafoni", {}};
   for (const Command* command : all_commands()) {
-    Args args(command->name, command->doc);
+    Args args(command->about.name, command->about.doc);
     command->setup(args);
-    out.entries.push_back({command->name, command->doc, {}, command->examples, {}, args.entries()});
+    out.entries.push_back(
+        {command->about.name, command->about.doc, {}, command->examples, {}, args.entries()});
   }
   return out;
 }

@@ -8,11 +8,13 @@
 #include "args.h"
 #include "console.h"
 
+#include "tafoni/core/registry.h"
+
 namespace tafoni::cli {
 
 struct Command {
-  std::string name, doc;
-  std::string examples;  ///< for --help and the reference, one a line
+  Declaration about = {};
+  std::string examples = {};  ///< for --help and the reference, one a line
   /// Declares the options and gives what to run once they are parsed; its result is the exit code.
   std::function<int(Console&)> (*setup)(Args&) = nullptr;
 };

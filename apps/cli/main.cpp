@@ -54,7 +54,7 @@ int run(int argc, const char* const* argv) {
   std::vector<Entry> entries;
   std::vector<Args*> parsers;
   for (const Command* command : all_commands()) {
-    auto args = std::make_unique<Args>(command->name, command->doc);
+    auto args = std::make_unique<Args>(command->about.name, command->about.doc);
     auto body = command->setup(*args);
     common.declare(*args);
     if (!command->examples.empty()) args->footer("Examples:\n" + command->examples);

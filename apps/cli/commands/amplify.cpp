@@ -58,11 +58,13 @@ std::function<int(Console&)> setup(Args& args) {
 }  // namespace
 
 const Command& command_amplify() {
-  static const Command command = {
-      "amplify", "Turn an elevation model into a 3D terrain mesh",
-      "  tafoni amplify coast.tif -l sea-cliff -l karst -o coast.glb --preview coast.png\n"
-      "  tafoni amplify dem.tif -l karst --set karst.radius=4 --window 100,100,512,512 -o part.ply",
-      setup};
+  static const Command command{
+      .about = {.name = "amplify", .doc = "Turn an elevation model into a 3D terrain mesh"},
+      .examples =
+          "  tafoni amplify coast.tif -l sea-cliff -l karst -o coast.glb --preview coast.png\n"
+          "  tafoni amplify dem.tif -l karst --set karst.radius=4 --window 100,100,512,512 -o part.ply",
+      .setup = setup,
+  };
   return command;
 }
 

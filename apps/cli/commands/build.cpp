@@ -27,13 +27,16 @@ std::function<int(Console&)> setup(Args& args) {
 }  // namespace
 
 const Command& command_build() {
-  static const Command command = {
-      "build", "Build a scene file, an elevation model or a volume into meshes and volumes",
-      "  tafoni build scene.toml -o terrain.glb --report report.json\n"
-      "  tafoni build scene.toml -o cave.vdb -o cave.glb\n"
-      "  tafoni build cave.vdb -o cave.glb\n"
-      "  tafoni build scene.toml --voxel 2 --dry-run",
-      setup};
+  static const Command command{
+      .about = {.name = "build",
+                .doc = "Build a scene file, an elevation model or a volume into meshes and volumes"},
+      .examples =
+          "  tafoni build scene.toml -o terrain.glb --report report.json\n"
+          "  tafoni build scene.toml -o cave.vdb -o cave.glb\n"
+          "  tafoni build cave.vdb -o cave.glb\n"
+          "  tafoni build scene.toml --voxel 2 --dry-run",
+      .setup = setup,
+  };
   return command;
 }
 

@@ -24,8 +24,8 @@ void set_value(const terrain::GeneratorType& type, Values& values, std::string_v
   if (equals == std::string_view::npos)
     fail(ErrorKind::usage, "{}: expected NAME=VALUE, as in width=800", where);
   std::string_view name = assignment.substr(0, equals);
-  if (name.starts_with(type.name + ".")) name.remove_prefix(type.name.size() + 1);
-  const ParamInfo& info = find_param(type.params, name, where);
+  if (name.starts_with(type.about.name + ".")) name.remove_prefix(type.about.name.size() + 1);
+  const ParamInfo& info = find_param(type.about.params, name, where);
   values.insert_or_assign(info.name, parsed(info, assignment.substr(equals + 1), where));
 }
 
@@ -60,8 +60,11 @@ std::function<int(Console&)> setup(Args& args) {
 }  // namespace
 
 const Command& command_generate() {
-  static const Command command = {"generate", "Make an elevation model to start from",
-                                  "  tafoni generate coast -o coast.tif --seed 3", setup};
+  static const Command command{
+      .about = {.name = "generate", .doc = "Make an elevation model to start from"},
+      .examples = "  tafoni generate coast -o coast.tif --seed 3",
+      .setup = setup,
+  };
   return command;
 }
 

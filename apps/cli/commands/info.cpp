@@ -219,9 +219,12 @@ std::function<int(Console&)> setup(Args& args) {
 }  // namespace
 
 const Command& command_info() {
-  static const Command command = {
-      "info", "Tell what an elevation model, a volume or a scene holds, and what would be fixed",
-      "  tafoni info dem.tif\n  tafoni info cave.vdb\n  tafoni info scene.toml --json", setup};
+  static const Command command{
+      .about = {.name = "info",
+                .doc = "Tell what an elevation model, a volume or a scene holds, and what would be fixed"},
+      .examples = "  tafoni info dem.tif\n  tafoni info cave.vdb\n  tafoni info scene.toml --json",
+      .setup = setup,
+  };
   return command;
 }
 

@@ -86,10 +86,13 @@ std::function<int(Console&)> setup(Args& args) {
 }  // namespace
 
 const Command& command_list() {
-  static const Command command = {"list", "List what the program knows, with every parameter",
-                                  "  tafoni list landforms\n  tafoni list landforms karst\n"
-                                  "  tafoni list --markdown > reference.md",
-                                  setup};
+  static const Command command{
+      .about = {.name = "list", .doc = "List what the program knows, with every parameter"},
+      .examples =
+          "  tafoni list landforms\n  tafoni list landforms karst\n"
+          "  tafoni list --markdown > reference.md",
+      .setup = setup,
+  };
   return command;
 }
 

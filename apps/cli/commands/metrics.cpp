@@ -220,10 +220,13 @@ std::function<int(Console&)> setup(Args& args) {
 }  // namespace
 
 const Command& command_metrics() {
-  static const Command command = {"metrics", "Measure a mesh or a volume: area, volume, genus, bounds, edges",
-                                  "  tafoni metrics terrain.glb --json\n"
-                                  "  tafoni metrics --sgm scene.toml --details 1..32 --csv",
-                                  setup};
+  static const Command command{
+      .about = {.name = "metrics", .doc = "Measure a mesh or a volume: area, volume, genus, bounds, edges"},
+      .examples =
+          "  tafoni metrics terrain.glb --json\n"
+          "  tafoni metrics --sgm scene.toml --details 1..32 --csv",
+      .setup = setup,
+  };
   return command;
 }
 

@@ -182,14 +182,17 @@ std::function<int(Console&)> setup(Args& args) {
 }  // namespace
 
 const Command& command_query() {
-  static const Command command = {"query",
-                                  "Ask the field at points (f > 0 is rock, f < 0 air, metres near the "
-                                  "surface), or the surface: rays, spheres, sweeps and walks",
-                                  "  tafoni query scene.toml --points points.csv > values.csv\n"
-                                  "  echo 452300.5,5528100.25,120 | tafoni query scene.toml --points -\n"
-                                  "  tafoni query cave.glb --sweeps capsules.csv --json\n"
-                                  "  tafoni query scene.toml --walk 1000 -o routes.csv",
-                                  setup};
+  static const Command command{
+      .about = {.name = "query",
+                .doc = "Ask the field at points (f > 0 is rock, f < 0 air, metres near the "
+                       "surface), or the surface: rays, spheres, sweeps and walks"},
+      .examples =
+          "  tafoni query scene.toml --points points.csv > values.csv\n"
+          "  echo 452300.5,5528100.25,120 | tafoni query scene.toml --points -\n"
+          "  tafoni query cave.glb --sweeps capsules.csv --json\n"
+          "  tafoni query scene.toml --walk 1000 -o routes.csv",
+      .setup = setup,
+  };
   return command;
 }
 

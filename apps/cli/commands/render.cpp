@@ -146,12 +146,15 @@ std::function<int(Console&)> setup(Args& args) {
 }  // namespace
 
 const Command& command_render() {
-  static const Command command = {"render", "Make a picture of a scene or a mesh",
-                                  "  tafoni render terrain.glb -o terrain.png\n"
-                                  "  tafoni render terrain.glb --inside -o cave.png\n"
-                                  "  tafoni render scene.toml --geology -o rock.png\n"
-                                  "  tafoni render scene.toml --camera 100,-200,80,300,300,10 -o view.png",
-                                  setup};
+  static const Command command{
+      .about = {.name = "render", .doc = "Make a picture of a scene or a mesh"},
+      .examples =
+          "  tafoni render terrain.glb -o terrain.png\n"
+          "  tafoni render terrain.glb --inside -o cave.png\n"
+          "  tafoni render scene.toml --geology -o rock.png\n"
+          "  tafoni render scene.toml --camera 100,-200,80,300,300,10 -o view.png",
+      .setup = setup,
+  };
   return command;
 }
 

@@ -132,12 +132,14 @@ std::function<int(Console&)> setup(Args& args) {
 }  // namespace
 
 const Command& command_sculpt() {
-  static const Command command = {
-      "sculpt", "Add strokes to a scene, or take them back",
-      "  tafoni sculpt scene.toml --stroke \"sphere at=120,80,14 radius=6\" --preview view.png\n"
-      "  tafoni sculpt scene.toml --stroke \"cave at=120,80,14/150,95,12 radius=3 chambers=1\"\n"
-      "  tafoni sculpt scene.toml --undo 2 --list",
-      setup};
+  static const Command command{
+      .about = {.name = "sculpt", .doc = "Add strokes to a scene, or take them back"},
+      .examples =
+          "  tafoni sculpt scene.toml --stroke \"sphere at=120,80,14 radius=6\" --preview view.png\n"
+          "  tafoni sculpt scene.toml --stroke \"cave at=120,80,14/150,95,12 radius=3 chambers=1\"\n"
+          "  tafoni sculpt scene.toml --undo 2 --list",
+      .setup = setup,
+  };
   return command;
 }
 

@@ -74,9 +74,13 @@ std::function<int(Console&)> setup(Args& args) {
 }  // namespace
 
 const Command& command_validate() {
-  static const Command command = {
-      "validate", "Check a mesh: manifold, oriented, no degenerate triangles; exit code 5 when defective",
-      "  tafoni validate terrain.glb --closed", setup};
+  static const Command command{
+      .about = {.name = "validate",
+                .doc =
+                    "Check a mesh: manifold, oriented, no degenerate triangles; exit code 5 when defective"},
+      .examples = "  tafoni validate terrain.glb --closed",
+      .setup = setup,
+  };
   return command;
 }
 

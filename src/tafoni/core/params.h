@@ -33,6 +33,10 @@ struct ParamInfo {
   std::vector<std::string> choices;  ///< of a choice
   std::size_t count = 0;             ///< of numbers: how many, 0 for any
   std::vector<ParamInfo> columns;    ///< of rows; their values are texts, whatever kind these hold
+  /// "", or when it has an effect at all, to follow the word "only": "where faces is above 0".
+  std::string only = {};
+  /// What the other parameters are set to so that it has one, where values can bring that about.
+  Values only_with = {};
   void (*store)(const ParamInfo&, void* object, const Value&) = nullptr;
   Value (*load)(const ParamInfo&, const void* object) = nullptr;
   alignas(8) unsigned char member[16] = {};  ///< the member pointer, as bytes; see ParamTable
@@ -54,6 +58,13 @@ class ParamTable {
                       double min, double max, std::string doc);
   /// A table of text; see column(). In a scene file [[layer.NAME]], once a row, or an array of inline tables.
   ParamTable& rows(std::string name, Rows P::*member, std::vector<ParamInfo> columns, std::string doc);
+  /// Says of the parameter declared last that it does nothing but `when`; `with` brings that case about. A
+  /// parameter without it must change what is made (a test over the registries sets each).
+  ParamTable& only(std::string when, Values with = {}) {
+    infos_.back().only = std::move(when);
+    infos_.back().only_with = std::move(with);
+    return *this;
+  }
   const std::vector<ParamInfo>& infos() const { return infos_; }
   operator std::vector<ParamInfo>() const { return infos_; }
 

@@ -3,6 +3,7 @@
 // across threads, so generators give the same bytes at any thread count.
 
 #include <cstdint>
+#include <type_traits>
 
 namespace tafoni {
 
@@ -18,9 +19,19 @@ constexpr std::uint64_t hash_combine(std::uint64_t a, std::uint64_t b) {
   return mix64(a ^ (mix64(b) + 0x2545f4914f6cdd1dull));
 }
 
+/// An `enum class Stream` names what the streams of one seed are for.
+template <class Stream>
+requires std::is_enum_v<Stream>
+constexpr std::uint64_t hash_combine(std::uint64_t seed, Stream stream) {
+  return hash_combine(seed, static_cast<std::uint64_t>(stream));
+}
+
 /// A stream of numbers; copying it copies the position.
 class Random {
  public:
+  template <class Stream>
+  requires std::is_enum_v<Stream>
+  constexpr Random(std::uint64_t seed, Stream stream) : key_(hash_combine(seed, stream)) {}
   constexpr explicit Random(std::uint64_t seed, std::uint64_t stream = 0)
       : key_(hash_combine(seed, stream)) {}
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tafoni/core/params.h"
+#include "tafoni/core/registry.h"
 #include "tafoni/math/vec.h"
 
 namespace tafoni::field {
@@ -22,8 +22,7 @@ enum class Needs { both, first, second };
 /// or asks its operand elsewhere or takes functions (none of them; made by the function of tree.h of its
 /// name).
 struct OperatorType {
-  std::string name, doc, source;
-  std::vector<ParamInfo> params;
+  Declaration about = {};
   Interval (*interval)(Interval a, Interval b, float parameter) = nullptr;
   /// `first` or `second` when the result is bit for bit that operand over the whole range.
   Needs (*needs)(Interval a, Interval b, float parameter) = nullptr;

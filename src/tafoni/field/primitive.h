@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tafoni/core/params.h"
+#include "tafoni/core/registry.h"
 
 namespace tafoni::field {
 
@@ -19,9 +19,9 @@ struct PrimitiveKernels;
 /// outside [Paris19 §5.2]. Its record is an anchor, an energy, a radius and `extras` further
 /// floats.
 struct PrimitiveType {
-  std::string name, doc, source;
-  /// The record's floats after anchor and energy, in order: "radius" first, then the extras.
-  std::vector<ParamInfo> params;
+  /// Its parameters are the record's floats after anchor and energy, in order: "radius" first, then the
+  /// extras.
+  Declaration about = {};
   int extras = 0;           ///< floats after the radius; for a variable kind, floats a vertex
   bool variable = false;    ///< any number (at least one) of groups of `extras` floats
   bool volumetric = false;  ///< constant inside `radius`, then falls off over the cloud's falloff; else the

@@ -86,28 +86,28 @@ void CloudBuilder::add(Vec3d anchor, float energy, std::span<const float> shape)
   const auto group = static_cast<std::size_t>(type.extras);
   const bool fits = type.variable ? extras >= group && extras % group == 0 : extras == group;
   if (shape.empty() || !fits)
-    fail(ErrorKind::input, "a {} primitive cannot have {} shape numbers", type.name, shape.size());
+    fail(ErrorKind::input, "a {} primitive cannot have {} shape numbers", type.about.name, shape.size());
   bool finite =
       std::isfinite(energy) && std::isfinite(anchor.x) && std::isfinite(anchor.y) && std::isfinite(anchor.z);
   for (float v : shape) finite = finite && std::isfinite(v);
-  if (!finite) fail(ErrorKind::input, "a {} primitive has a number that is not finite", type.name);
+  if (!finite) fail(ErrorKind::input, "a {} primitive has a number that is not finite", type.about.name);
   if (!(shape[0] > 0))
-    fail(ErrorKind::input, "a {} primitive has radius {} m; it must be positive", type.name, shape[0]);
+    fail(ErrorKind::input, "a {} primitive has radius {} m; it must be positive", type.about.name, shape[0]);
   // Noise as deep as the rounding would reach into a body, where there is nothing to perturb.
   if ((!type.volumetric || group > 0) && s.noise.amplitude >= shape[0])
-    fail(ErrorKind::input, "a {} primitive of radius {} m is thinner than its noise of {} m", type.name,
+    fail(ErrorKind::input, "a {} primitive of radius {} m is thinner than its noise of {} m", type.about.name,
          shape[0], s.noise.amplitude);
   for (std::size_t i = 1; i < shape.size(); ++i) {
-    const ParamInfo& info = type.params[1 + (i - 1) % group];
+    const ParamInfo& info = type.about.params[1 + (i - 1) % group];
     const auto value = static_cast<double>(shape[i]);
     if (value < info.min || value > info.max)
-      fail(ErrorKind::input, "a {} primitive has {} = {}; it must be {}", type.name, info.name, shape[i],
-           allowed(info));
+      fail(ErrorKind::input, "a {} primitive has {} = {}; it must be {}", type.about.name, info.name,
+           shape[i], allowed(info));
   }
   const double far = std::max({std::fabs(anchor.x), std::fabs(anchor.y), std::fabs(anchor.z)});
   if (far + type.extent(shape.subspan(1)) + shape[0] > impl::reach_limit)
     fail(ErrorKind::input, "a {} primitive lies {:.0f} m from the scene's origin; the limit is {:.0f} m",
-         type.name, far, impl::reach_limit);
+         type.about.name, far, impl::reach_limit);
   s.records.push_back(
       {{impl::to_fixed(anchor.x).units, impl::to_fixed(anchor.y).units, impl::to_fixed(anchor.z).units},
        shape[0],
@@ -173,7 +173,7 @@ NodePtr combine(std::string_view op, std::vector<NodePtr> children) {
   if (children.empty()) fail(ErrorKind::usage, "{} has no operands", op);
   if (children.size() == 1) return children.front();
   const float parameter =
-      type.params.empty() ? 0.f : static_cast<float>(std::get<double>(type.params.front().init));
+      type.about.params.empty() ? 0.f : static_cast<float>(std::get<double>(type.about.params.front().init));
   return std::make_shared<Node>(Node::Operation{&type, std::move(children), parameter});
 }
 

@@ -48,16 +48,7 @@ std::string children_text(const GeologyType& type) {
 }
 
 const GeologyType& find_geology(std::string_view name) {
-  std::vector<std::string> known;
-  for (const GeologyType* type : all_geologies()) {
-    if (type->name == name) return *type;
-    known.push_back(type->name);
-  }
-  const std::string near = nearest(name, known);
-  if (!near.empty()) fail(ErrorKind::usage, "unknown geology \"{}\"; did you mean \"{}\"?", name, near);
-  std::string list;
-  for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
-  fail(ErrorKind::usage, "unknown geology \"{}\"; known are {}", name, list);
+  return find(all_geologies(), name, "geology");
 }
 
 GeologyPtr make_geology(std::string_view name, const Values& values, std::vector<GeologyPtr> children,
@@ -68,7 +59,7 @@ GeologyPtr make_geology(std::string_view name, const Values& values, std::vector
          children.empty() ? "none" : fmt::format("{}", children.size()));
   Values valid;
   for (const auto& [key, value] : values)
-    valid[key] = checked(find_param(type.params, key, name), value, name);
+    valid[key] = checked(find_param(type.about.params, key, name), value, name);
   for (GeologyPtr& child : children) child = shifted(std::move(child), -origin);
   return shifted(type.make(valid, std::move(children), seed), origin);
 }

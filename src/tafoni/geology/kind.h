@@ -7,14 +7,13 @@
 #include <string_view>
 #include <vector>
 
-#include "tafoni/core/params.h"
+#include "tafoni/core/registry.h"
 #include "tafoni/geology/geology.h"
 
 namespace tafoni::geology {
 
 struct GeologyType {
-  std::string name, doc, source;
-  std::vector<ParamInfo> params;
+  Declaration about = {};
   std::size_t min_children = 0, max_children = 0;  ///< a primitive has none
   /// `values` hold only what differs from the defaults. Positions of the node and of its children are world
   /// positions. Called by make_geology(), which has checked values and children.

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tafoni/core/params.h"
+#include "tafoni/core/registry.h"
 #include "tafoni/math/vec.h"
 
 namespace tafoni::grammar {
@@ -34,8 +34,7 @@ class Solid {
 using SolidPtr = std::shared_ptr<const Solid>;
 
 struct SolidType {
-  std::string name, doc, source;
-  std::vector<ParamInfo> params;
+  Declaration about = {};
   /// Throws Error{usage} for sizes that are out of range.
   SolidPtr (*make)(const Values& sizes) = nullptr;
   /// The sizes of one that fills a box of these half widths as far as its shape allows.

@@ -111,7 +111,7 @@ class PrimitiveRows {
     if (!lines_.next())
       fail(ErrorKind::input, "{}: is empty; expected a header with the columns kind, x, y, z and energy",
            name);
-    for (const field::PrimitiveType* type : field::all_primitives()) kinds_.push_back(type->name);
+    for (const field::PrimitiveType* type : field::all_primitives()) kinds_.push_back(type->about.name);
     read_header();
   }
 
@@ -130,7 +130,7 @@ class PrimitiveRows {
       finish_chain(out, chain);
       chain = row.kind->variable ? id : std::string_view{};
       if (row.kind->variable && id.empty())
-        lines_.bad("a {} needs an id: the rows of one id are its vertices", row.kind->name);
+        lines_.bad("a {} needs an id: the rows of one id are its vertices", row.kind->about.name);
       out.push_back(std::move(row));
     }
     finish_chain(out, chain);
@@ -144,7 +144,7 @@ class PrimitiveRows {
   void read_header() {
     std::vector<std::string> known(common.begin(), common.end());
     for (const field::PrimitiveType* type : field::all_primitives())
-      for (const ParamInfo& info : type->params)
+      for (const ParamInfo& info : type->about.params)
         if (std::find(known.begin(), known.end(), info.name) == known.end()) known.push_back(info.name);
     for (std::string_view field : lines_.fields()) {
       const std::string title = lower(field);
@@ -196,7 +196,8 @@ class PrimitiveRows {
 
   void read_shape(Primitive& p) {
     // The vertices of a chain are rows, not numbers of its shape.
-    const auto own = std::span(p.kind->params).first(p.kind->variable ? 1 : p.kind->params.size());
+    const auto own =
+        std::span(p.kind->about.params).first(p.kind->variable ? 1 : p.kind->about.params.size());
     for (const ParamInfo& info : own) {
       double value = std::get<double>(info.init);
       if (const std::size_t c = column(info.name); !at(c).empty()) {
@@ -209,21 +210,21 @@ class PrimitiveRows {
     for (std::size_t c = 0; c < titles_.size(); ++c) {
       if (at(c).empty() || std::find(common.begin(), common.end(), titles_[c]) != common.end()) continue;
       if (std::none_of(own.begin(), own.end(), [&](const ParamInfo& i) { return i.name == titles_[c]; }))
-        lines_.bad("a {} has no {}; leave the field empty", p.kind->name, titles_[c]);
+        lines_.bad("a {} has no {}; leave the field empty", p.kind->about.name, titles_[c]);
     }
   }
 
   void extend(Primitive& chain, const Primitive& row) {
     if (row.energy != chain.energy || (row.shape != chain.shape && !at(column("radius")).empty()))
       lines_.bad("energy and radius differ from those in line {}, where this {} begins", chain.line,
-                 chain.kind->name);
+                 chain.kind->about.name);
     chain.further.push_back(row.position);
   }
 
   void finish_chain(const std::vector<Primitive>& out, const std::string& chain) const {
     if (!chain.empty() && out.back().further.empty())
       fail(ErrorKind::input, "{}:{}: {} \"{}\" is one row; give two or more of this id, one a vertex",
-           lines_.name(), out.back().line, out.back().kind->name, shown(chain));
+           lines_.name(), out.back().line, out.back().kind->about.name, shown(chain));
   }
 
   /// What every kind has; the first five are needed.

@@ -54,15 +54,7 @@ std::string lower_extension(const std::filesystem::path& path) {
 }  // namespace
 
 const FormatType& find_format(std::string_view name) {
-  std::vector<std::string> names;
-  for (const FormatType* format : all_formats()) {
-    if (format->name == name) return *format;
-    names.push_back(format->name);
-  }
-  const std::string near = nearest(name, names);
-  if (near.empty())
-    fail(ErrorKind::usage, "There is no format '{}'; known: {}.", name, fmt::join(names, ", "));
-  fail(ErrorKind::usage, "There is no format '{}'; did you mean '{}'?", name, near);
+  return tafoni::find(all_formats(), name, "format");
 }
 
 bool can(const std::filesystem::path& path, Ability ability) {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "tafoni/core/atomic_file.h"
-#include "tafoni/core/params.h"
 #include "tafoni/core/progress.h"
+#include "tafoni/core/registry.h"
 #include "tafoni/mesh/mesh.h"
 #include "tafoni/raster/image.h"
 #include "tafoni/volume/scalar_grid.h"
@@ -34,9 +34,8 @@ struct Volume {
 
 /// One file format. A function that the format lacks is null.
 struct FormatType {
-  std::string name, doc, source;
-  std::vector<std::string> extensions;  ///< lower case, without the dot; the first is the usual one
-  std::vector<ParamInfo> params;
+  Declaration about = {};
+  std::vector<std::string> extensions = {};  ///< lower case, without the dot; the first is the usual one
 
   /// Writes the whole file; the caller commits it. The mesh has triangles. Throws Error{output}, also for a
   /// mesh that the format cannot hold.

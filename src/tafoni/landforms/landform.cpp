@@ -11,14 +11,7 @@ field::NodePtr applied(const field::NodePtr& tree, const Result& result) {
 }
 
 const LandformType& find_landform(std::string_view name) {
-  std::vector<std::string> known;
-  for (const LandformType* type : all_landforms()) {
-    if (type->name == name) return *type;
-    known.push_back(type->name);
-  }
-  const std::string near = nearest(name, known);
-  if (near.empty()) fail(ErrorKind::usage, "there is no landform \"{}\"; see tafoni list landforms", name);
-  fail(ErrorKind::usage, "there is no landform \"{}\"; did you mean \"{}\"?", name, near);
+  return find(all_landforms(), name, "landform");
 }
 
 }  // namespace tafoni::landforms

@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "tafoni/core/params.h"
 #include "tafoni/core/progress.h"
+#include "tafoni/core/registry.h"
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/tree.h"
 #include "tafoni/geology/geology.h"
+#include "tafoni/landforms/facts.h"
 #include "tafoni/landforms/site/region.h"
 #include "tafoni/raster/grid.h"
 
@@ -38,14 +39,14 @@ struct Result {
   Box3d reshaped;  ///< local; outside of it reshape() changes no value. Empty: nothing reshaped
   std::vector<field::NodePtr> nodes;  ///< blended, in this order
   std::vector<std::pair<std::string, Value>> report;
+  Facts facts;  ///< what reports tell of it
 };
 
 /// The tree with a landform on it.
 field::NodePtr applied(const field::NodePtr& tree, const Result& result);
 
 struct LandformType {
-  std::string name, doc, source;
-  std::vector<ParamInfo> params;
+  Declaration about = {};
   /// `values` hold only what differs from the defaults; already checked.
   Result (*generate)(const Site&, const Values&, Progress&) = nullptr;
 };

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "tafoni/core/params.h"
 #include "tafoni/core/progress.h"
+#include "tafoni/core/registry.h"
 #include "tafoni/raster/grid.h"
 
 namespace tafoni::terrain {
@@ -29,8 +29,7 @@ void add_grid_params(ParamTable<P>& table) {
 }
 
 struct GeneratorType {
-  std::string name, doc, source;
-  std::vector<ParamInfo> params;  ///< begin with width, height and pixel
+  Declaration about = {};  ///< its parameters begin with width, height and pixel
   /// `values` hold only what differs from the defaults. The south-west corner lies at (0, 0); sea level is 0;
   /// every height is finite. The same values and seed give the same bytes at any thread count.
   raster::Raster (*generate)(const Values& values, std::uint64_t seed, Progress& progress) = nullptr;

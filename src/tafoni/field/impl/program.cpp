@@ -85,7 +85,7 @@ class Flattener {
   void step() {
     Frame& frame = frames_.back();
     const auto& op = *frame.node->operation();
-    const bool blend = op.type->name == "blend";
+    const bool blend = op.type->about.name == "blend";
     if (frame.next == 0) frame.begin = here();
     if (frame.next >= 2 && !(blend && op.children[frame.next - 1]->cloud()))
       emit({Kind::apply, 0, op.parameter, op.type, frame.begin, frame.second});

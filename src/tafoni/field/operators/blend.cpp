@@ -31,15 +31,15 @@ TAFONI_KERNEL_TABLE(OperatorKernels, blend)
 
 const OperatorType& operator_blend() {
   static const OperatorType type{
-      "blend",
-      "Sum of the operands",
-      "[Paris19 §5.3]",
-      {},
-      [](Interval a, Interval b, float) { return a + b; },
-      [](Interval a, Interval b, float) {
-        return a.lo == 0 && a.hi == 0 ? Needs::second : b.lo == 0 && b.hi == 0 ? Needs::first : Needs::both;
-      },
-      &kernels,
+      .about = {.name = "blend", .doc = "Sum of the operands", .source = "[Paris19 §5.3]"},
+      .interval = [](Interval a, Interval b, float) { return a + b; },
+      .needs =
+          [](Interval a, Interval b, float) {
+            return a.lo == 0 && a.hi == 0   ? Needs::second
+                   : b.lo == 0 && b.hi == 0 ? Needs::first
+                                            : Needs::both;
+          },
+      .kernels = &kernels,
   };
   return type;
 }

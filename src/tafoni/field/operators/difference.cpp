@@ -31,15 +31,15 @@ TAFONI_KERNEL_TABLE(OperatorKernels, difference)
 
 const OperatorType& operator_difference() {
   static const OperatorType type{
-      "difference",
-      "The first operand without the solid of the second: min(a, -b)",
-      "[Paris19 §5.3]",
-      {},
-      [](Interval a, Interval b, float) {
-        return Interval{std::min(a.lo, -b.hi), std::min(a.hi, -b.lo)};
-      },
-      [](Interval a, Interval b, float) { return a.hi < -b.hi ? Needs::first : Needs::both; },
-      &kernels,
+      .about = {.name = "difference",
+                .doc = "The first operand without the solid of the second: min(a, -b)",
+                .source = "[Paris19 §5.3]"},
+      .interval =
+          [](Interval a, Interval b, float) {
+            return Interval{std::min(a.lo, -b.hi), std::min(a.hi, -b.lo)};
+          },
+      .needs = [](Interval a, Interval b, float) { return a.hi < -b.hi ? Needs::first : Needs::both; },
+      .kernels = &kernels,
   };
   return type;
 }

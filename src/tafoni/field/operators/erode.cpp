@@ -106,14 +106,12 @@ NodePtr erode(NodePtr below, FunctionPtr control, FunctionPtr resistance, double
 
 const OperatorType& operator_erode() {
   static const OperatorType type{
-      "erode",
-      "Takes off material where a control field says so, the more the softer the rock",
-      "[Paris19 §5.3]",
-      ParamTable<Params>().real("depth", &Params::depth, "m", 0, 1e4,
-                                "What is taken off the field where the control is 1 and the resistance 0"),
-      nullptr,
-      nullptr,
-      nullptr,
+      .about = {.name = "erode",
+                .doc = "Takes off material where a control field says so, the more the softer the rock",
+                .source = "[Paris19 §5.3]",
+                .params = ParamTable<Params>().real(
+                    "depth", &Params::depth, "m", 0, 1e4,
+                    "What is taken off the field where the control is 1 and the resistance 0")},
   };
   return type;
 }

@@ -248,13 +248,12 @@ NodePtr instances(NodePtr shape, std::span<const Placement> placements) {
 
 const OperatorType& operator_instance() {
   static const OperatorType type{
-      "instance",
-      "Sum of many copies of a tree that vanishes outside of a box, each placed as transform does",
-      "[Paris19 §8.3]",
-      impl::placement_params(),
-      nullptr,
-      nullptr,
-      nullptr,
+      .about =
+          {.name = "instance",
+           .doc =
+               "Sum of many copies of a tree that vanishes outside of a box, each placed as transform does",
+           .source = "[Paris19 §8.3]",
+           .params = impl::placement_params()},
   };
   return type;
 }

@@ -31,17 +31,18 @@ TAFONI_KERNEL_TABLE(OperatorKernels, intersection)
 
 const OperatorType& operator_intersection() {
   static const OperatorType type{
-      "intersection",
-      "Solid where all operands are: the least value",
-      "[Paris19 §5.3]",
-      {},
-      [](Interval a, Interval b, float) {
-        return Interval{std::min(a.lo, b.lo), std::min(a.hi, b.hi)};
-      },
-      [](Interval a, Interval b, float) {
-        return a.hi < b.lo ? Needs::first : b.hi < a.lo ? Needs::second : Needs::both;
-      },
-      &kernels,
+      .about = {.name = "intersection",
+                .doc = "Solid where all operands are: the least value",
+                .source = "[Paris19 §5.3]"},
+      .interval =
+          [](Interval a, Interval b, float) {
+            return Interval{std::min(a.lo, b.lo), std::min(a.hi, b.hi)};
+          },
+      .needs = [](Interval a, Interval b,
+                  float) { return a.hi < b.lo   ? Needs::first
+                                  : b.hi < a.lo ? Needs::second
+                                                : Needs::both; },
+      .kernels = &kernels,
   };
   return type;
 }

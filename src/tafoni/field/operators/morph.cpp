@@ -40,16 +40,18 @@ struct Params {
 
 const OperatorType& operator_morph() {
   static const OperatorType type{
-      "morph",
-      "From the first operand to the second: a (1 - alpha) + b alpha",
-      "[Zawadzki]",
-      ParamTable<Params>().real("alpha", &Params::alpha, "", 0, 1, "0 is the first operand, 1 the second"),
-      [](Interval a, Interval b, float alpha) {
-        const float rest = 1 - alpha;
-        return Interval{a.lo * rest + b.lo * alpha, a.hi * rest + b.hi * alpha};
-      },
-      [](Interval, Interval, float) { return Needs::both; },
-      &kernels,
+      .about = {.name = "morph",
+                .doc = "From the first operand to the second: a (1 - alpha) + b alpha",
+                .source = "[Zawadzki]",
+                .params = ParamTable<Params>().real("alpha", &Params::alpha, "", 0, 1,
+                                                    "0 is the first operand, 1 the second")},
+      .interval =
+          [](Interval a, Interval b, float alpha) {
+            const float rest = 1 - alpha;
+            return Interval{a.lo * rest + b.lo * alpha, a.hi * rest + b.hi * alpha};
+          },
+      .needs = [](Interval, Interval, float) { return Needs::both; },
+      .kernels = &kernels,
   };
   return type;
 }

@@ -49,26 +49,29 @@ float at(float a, float b, float width) {
 
 const OperatorType& operator_round() {
   static const OperatorType type{
-      "round",
-      "Solid where both operands are, with a worn edge: min(a, b) - h^2 / (4 width), h = width - |a - b|",
-      "a quadratic smooth minimum",
-      ParamTable<Params>().real("width", &Params::width, "m", 1e-3, 1e4,
-                                "difference of the operands below which it acts"),
-      [](Interval a, Interval b, float width) {
-        const float lo = at(a.lo, b.lo, width), hi = at(a.hi, b.hi, width);
-        constexpr float rounding = 1e-6f;
-        return Interval{lo - rounding * (std::abs(lo) + width), hi + rounding * (std::abs(hi) + width)};
-      },
-      [](Interval a, Interval b, float width) {
-        return a.hi + width <= b.lo ? Needs::first : b.hi + width <= a.lo ? Needs::second : Needs::both;
-      },
-      &kernels,
+      .about = {.name = "round",
+                .doc = "Solid where both operands are, with a worn edge: min(a, b) - h^2 / (4 width), h = "
+                       "width - |a - b|",
+                .source = "a quadratic smooth minimum",
+                .params = ParamTable<Params>().real("width", &Params::width, "m", 1e-3, 1e4,
+                                                    "difference of the operands below which it acts")},
+      .interval =
+          [](Interval a, Interval b, float width) {
+            const float lo = at(a.lo, b.lo, width), hi = at(a.hi, b.hi, width);
+            constexpr float rounding = 1e-6f;
+            return Interval{lo - rounding * (std::abs(lo) + width), hi + rounding * (std::abs(hi) + width)};
+          },
+      .needs =
+          [](Interval a, Interval b, float width) {
+            return a.hi + width <= b.lo ? Needs::first : b.hi + width <= a.lo ? Needs::second : Needs::both;
+          },
+      .kernels = &kernels,
   };
   return type;
 }
 
 NodePtr rounded(NodePtr a, NodePtr b, double width) {
-  checked(operator_round().params.front(), width, "round");
+  checked(operator_round().about.params.front(), width, "round");
   return std::make_shared<Node>(
       Node::Operation{&operator_round(), {std::move(a), std::move(b)}, static_cast<float>(width)});
 }

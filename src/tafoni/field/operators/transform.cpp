@@ -88,13 +88,11 @@ NodePtr transform(NodePtr tree, const Placement& placement) {
 
 const OperatorType& operator_transform() {
   static const OperatorType type{
-      "transform",
-      "A tree moved, turned and scaled; lengths and field values alike, so that the field stays in metres",
-      "[Paris19 §8.3]",
-      impl::placement_params(),
-      nullptr,
-      nullptr,
-      nullptr,
+      .about = {.name = "transform",
+                .doc = "A tree moved, turned and scaled; lengths and field values alike, so that the field "
+                       "stays in metres",
+                .source = "[Paris19 §8.3]",
+                .params = impl::placement_params()},
   };
   return type;
 }

@@ -31,17 +31,18 @@ TAFONI_KERNEL_TABLE(OperatorKernels, union)
 
 const OperatorType& operator_union() {
   static const OperatorType type{
-      "union",
-      "Solid where any operand is: the greatest value",
-      "[Paris19 §5.3]",
-      {},
-      [](Interval a, Interval b, float) {
-        return Interval{std::max(a.lo, b.lo), std::max(a.hi, b.hi)};
-      },
-      [](Interval a, Interval b, float) {
-        return a.lo > b.hi ? Needs::first : b.lo > a.hi ? Needs::second : Needs::both;
-      },
-      &kernels,
+      .about = {.name = "union",
+                .doc = "Solid where any operand is: the greatest value",
+                .source = "[Paris19 §5.3]"},
+      .interval =
+          [](Interval a, Interval b, float) {
+            return Interval{std::max(a.lo, b.lo), std::max(a.hi, b.hi)};
+          },
+      .needs = [](Interval a, Interval b,
+                  float) { return a.lo > b.hi   ? Needs::first
+                                  : b.lo > a.hi ? Needs::second
+                                                : Needs::both; },
+      .kernels = &kernels,
   };
   return type;
 }

@@ -223,20 +223,19 @@ NodePtr warp(NodePtr below, FunctionPtr control, const WarpSettings& settings) {
 
 const OperatorType& operator_warp() {
   static const OperatorType type{
-      "warp",
-      "Moves the positions at which a tree is asked by noise, where a control field says so",
-      "[Paris19 §5.3]",
-      ParamTable<Params>()
-          .real("lateral_amplitude", &Params::lateral_amplitude, "m", 0, 1e4,
-                "Greatest displacement along x and y")
-          .real("vertical_amplitude", &Params::vertical_amplitude, "m", 0, 1e4,
-                "Greatest displacement along z")
-          .real("lateral", &Params::lateral, "m", 1e-2, 1e6, "Wavelength of the noise along x and y")
-          .real("vertical", &Params::vertical, "m", 1e-2, 1e6, "Wavelength of the noise along z")
-          .integer("octaves", &Params::octaves, "", 1, 12, "Octaves of the noise"),
-      nullptr,
-      nullptr,
-      nullptr,
+      .about = {.name = "warp",
+                .doc = "Moves the positions at which a tree is asked by noise, where a control field says so",
+                .source = "[Paris19 §5.3]",
+                .params = ParamTable<Params>()
+                              .real("lateral_amplitude", &Params::lateral_amplitude, "m", 0, 1e4,
+                                    "Greatest displacement along x and y")
+                              .real("vertical_amplitude", &Params::vertical_amplitude, "m", 0, 1e4,
+                                    "Greatest displacement along z")
+                              .real("lateral", &Params::lateral, "m", 1e-2, 1e6,
+                                    "Wavelength of the noise along x and y")
+                              .real("vertical", &Params::vertical, "m", 1e-2, 1e6,
+                                    "Wavelength of the noise along z")
+                              .integer("octaves", &Params::octaves, "", 1, 12, "Octaves of the noise")},
   };
   return type;
 }

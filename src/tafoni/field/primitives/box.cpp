@@ -48,17 +48,18 @@ struct Params {
 const PrimitiveType& primitive_box() {
   static const PrimitiveType type = [] {
     PrimitiveType t;
-    t.name = "box";
-    t.doc = "Constant inside a box about the anchor, then falls off";
-    t.source = "[Paris19 §5.2]";
-    t.params = ParamTable<Params>()
-                   .real("radius", &Params::radius, "m", 1e-3, 1e4,
-                         "Rounding: how far the body reaches beyond the shape that the other numbers give")
-                   .real("hx", &Params::hx, "m", 0, 1e4, "Half its size along its own x")
-                   .real("hy", &Params::hy, "m", 0, 1e4, "Half its size along its own y")
-                   .real("hz", &Params::hz, "m", 0, 1e4, "Half its height")
-                   .real("turn", &Params::turn, "deg", -360, 360,
-                         "Turn about the vertical, counter-clockwise from above");
+    t.about.name = "box";
+    t.about.doc = "Constant inside a box about the anchor, then falls off";
+    t.about.source = "[Paris19 §5.2]";
+    t.about.params =
+        ParamTable<Params>()
+            .real("radius", &Params::radius, "m", 1e-3, 1e4,
+                  "Rounding: how far the body reaches beyond the shape that the other numbers give")
+            .real("hx", &Params::hx, "m", 0, 1e4, "Half its size along its own x")
+            .real("hy", &Params::hy, "m", 0, 1e4, "Half its size along its own y")
+            .real("hz", &Params::hz, "m", 0, 1e4, "Half its height")
+            .real("turn", &Params::turn, "deg", -360, 360,
+                  "Turn about the vertical, counter-clockwise from above");
     t.extras = 4;
     t.volumetric = true;
     t.extent = [](std::span<const float> e) { return std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]); };

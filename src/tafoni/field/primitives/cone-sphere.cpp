@@ -61,10 +61,10 @@ struct Params {
 const PrimitiveType& primitive_cone_sphere() {
   static const PrimitiveType type = [] {
     PrimitiveType t;
-    t.name = "cone-sphere";
-    t.doc = "Constant inside the hull of two balls, the first at the anchor, then falls off";
-    t.source = "[Paris19 §5.2]";
-    t.params =
+    t.about.name = "cone-sphere";
+    t.about.doc = "Constant inside the hull of two balls, the first at the anchor, then falls off";
+    t.about.source = "[Paris19 §5.2]";
+    t.about.params =
         ParamTable<Params>()
             .real("radius", &Params::radius, "m", 1e-3, 1e4,
                   "Rounding: how far the body reaches beyond the shape that the other numbers give")

@@ -56,17 +56,18 @@ struct Params {
 const PrimitiveType& primitive_cone() {
   static const PrimitiveType type = [] {
     PrimitiveType t;
-    t.name = "cone";
-    t.doc = "Constant inside a flat-capped cone that stands on the anchor, then falls off";
-    t.source = "[Paris19 §5.2]";
-    t.params = ParamTable<Params>()
-                   .real("radius", &Params::radius, "m", 1e-3, 1e4,
-                         "Rounding: how far the body reaches beyond the shape that the other numbers give")
-                   .real("dx", &Params::dx, "m", -1e4, 1e4, "Axis, from the base to the tip, east")
-                   .real("dy", &Params::dy, "m", -1e4, 1e4, "Axis, from the base to the tip, north")
-                   .real("dz", &Params::dz, "m", -1e4, 1e4, "Axis, from the base to the tip, up")
-                   .real("base", &Params::base, "m", 0, 1e4, "Radius at the base")
-                   .real("tip", &Params::tip, "m", 0, 1e4, "Radius at the tip; 0 for a point");
+    t.about.name = "cone";
+    t.about.doc = "Constant inside a flat-capped cone that stands on the anchor, then falls off";
+    t.about.source = "[Paris19 §5.2]";
+    t.about.params =
+        ParamTable<Params>()
+            .real("radius", &Params::radius, "m", 1e-3, 1e4,
+                  "Rounding: how far the body reaches beyond the shape that the other numbers give")
+            .real("dx", &Params::dx, "m", -1e4, 1e4, "Axis, from the base to the tip, east")
+            .real("dy", &Params::dy, "m", -1e4, 1e4, "Axis, from the base to the tip, north")
+            .real("dz", &Params::dz, "m", -1e4, 1e4, "Axis, from the base to the tip, up")
+            .real("base", &Params::base, "m", 0, 1e4, "Radius at the base")
+            .real("tip", &Params::tip, "m", 0, 1e4, "Radius at the tip; 0 for a point");
     t.extras = 5;
     t.volumetric = true;
     t.extent = [](std::span<const float> e) {

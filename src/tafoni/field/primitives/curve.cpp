@@ -52,14 +52,15 @@ struct Params {
 const PrimitiveType& primitive_curve() {
   static const PrimitiveType type = [] {
     PrimitiveType t;
-    t.name = "curve";
-    t.doc = "Falls off from a curve, held as a chain of segments";
-    t.source = "[Paris19 §5.2]";
-    t.params = ParamTable<Params>()
-                   .real("radius", &Params::radius, "m", 1e-3, 1e4, "Where the falloff reaches zero")
-                   .real("dx", &Params::dx, "m", -1e4, 1e4, "A further vertex relative to the first, east")
-                   .real("dy", &Params::dy, "m", -1e4, 1e4, "A further vertex relative to the first, north")
-                   .real("dz", &Params::dz, "m", -1e4, 1e4, "A further vertex relative to the first, up");
+    t.about.name = "curve";
+    t.about.doc = "Falls off from a curve, held as a chain of segments";
+    t.about.source = "[Paris19 §5.2]";
+    t.about.params =
+        ParamTable<Params>()
+            .real("radius", &Params::radius, "m", 1e-3, 1e4, "Where the falloff reaches zero")
+            .real("dx", &Params::dx, "m", -1e4, 1e4, "A further vertex relative to the first, east")
+            .real("dy", &Params::dy, "m", -1e4, 1e4, "A further vertex relative to the first, north")
+            .real("dz", &Params::dz, "m", -1e4, 1e4, "A further vertex relative to the first, up");
     t.extras = 3;
     t.variable = true;
     t.extent = [](std::span<const float> e) {

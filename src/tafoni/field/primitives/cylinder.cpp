@@ -46,16 +46,17 @@ struct Params {
 const PrimitiveType& primitive_cylinder() {
   static const PrimitiveType type = [] {
     PrimitiveType t;
-    t.name = "cylinder";
-    t.doc = "Constant inside a flat-capped cylinder that stands on the anchor, then falls off";
-    t.source = "[Paris19 §5.2]";
-    t.params = ParamTable<Params>()
-                   .real("radius", &Params::radius, "m", 1e-3, 1e4,
-                         "Rounding: how far the body reaches beyond the shape that the other numbers give")
-                   .real("dx", &Params::dx, "m", -1e4, 1e4, "Axis, from cap to cap, east")
-                   .real("dy", &Params::dy, "m", -1e4, 1e4, "Axis, from cap to cap, north")
-                   .real("dz", &Params::dz, "m", -1e4, 1e4, "Axis, from cap to cap, up")
-                   .real("base", &Params::base, "m", 0, 1e4, "Radius of the caps");
+    t.about.name = "cylinder";
+    t.about.doc = "Constant inside a flat-capped cylinder that stands on the anchor, then falls off";
+    t.about.source = "[Paris19 §5.2]";
+    t.about.params =
+        ParamTable<Params>()
+            .real("radius", &Params::radius, "m", 1e-3, 1e4,
+                  "Rounding: how far the body reaches beyond the shape that the other numbers give")
+            .real("dx", &Params::dx, "m", -1e4, 1e4, "Axis, from cap to cap, east")
+            .real("dy", &Params::dy, "m", -1e4, 1e4, "Axis, from cap to cap, north")
+            .real("dz", &Params::dz, "m", -1e4, 1e4, "Axis, from cap to cap, up")
+            .real("base", &Params::base, "m", 0, 1e4, "Radius of the caps");
     t.extras = 4;
     t.volumetric = true;
     t.extent = [](std::span<const float> e) {

@@ -88,17 +88,18 @@ struct Params {
 const PrimitiveType& primitive_ellipsoid() {
   static const PrimitiveType type = [] {
     PrimitiveType t;
-    t.name = "ellipsoid";
-    t.doc = "Constant inside an ellipsoid about the anchor, then falls off";
-    t.source = "[Paris19 §5.2]";
-    t.params = ParamTable<Params>()
-                   .real("radius", &Params::radius, "m", 1e-3, 1e4,
-                         "Rounding: how far the body reaches beyond the shape that the other numbers give")
-                   .real("hx", &Params::hx, "m", 1e-2, 1e4, "Half its size along its own x")
-                   .real("hy", &Params::hy, "m", 1e-2, 1e4, "Half its size along its own y")
-                   .real("hz", &Params::hz, "m", 1e-2, 1e4, "Half its height")
-                   .real("turn", &Params::turn, "deg", -360, 360,
-                         "Turn about the vertical, counter-clockwise from above");
+    t.about.name = "ellipsoid";
+    t.about.doc = "Constant inside an ellipsoid about the anchor, then falls off";
+    t.about.source = "[Paris19 §5.2]";
+    t.about.params =
+        ParamTable<Params>()
+            .real("radius", &Params::radius, "m", 1e-3, 1e4,
+                  "Rounding: how far the body reaches beyond the shape that the other numbers give")
+            .real("hx", &Params::hx, "m", 1e-2, 1e4, "Half its size along its own x")
+            .real("hy", &Params::hy, "m", 1e-2, 1e4, "Half its size along its own y")
+            .real("hz", &Params::hz, "m", 1e-2, 1e4, "Half its height")
+            .real("turn", &Params::turn, "deg", -360, 360,
+                  "Turn about the vertical, counter-clockwise from above");
     t.extras = 4;
     t.volumetric = true;
     t.extent = [](std::span<const float> e) { return std::max({e[0], e[1], e[2]}); };

@@ -42,11 +42,11 @@ struct Params {
 const PrimitiveType& primitive_point() {
   static const PrimitiveType type = [] {
     PrimitiveType t;
-    t.name = "point";
-    t.doc = "Falls off from a point";
-    t.source = "[Paris19 §5.2]";
-    t.params = ParamTable<Params>().real("radius", &Params::radius, "m", 1e-3, 1e4,
-                                         "Where the falloff reaches zero");
+    t.about.name = "point";
+    t.about.doc = "Falls off from a point";
+    t.about.source = "[Paris19 §5.2]";
+    t.about.params = ParamTable<Params>().real("radius", &Params::radius, "m", 1e-3, 1e4,
+                                               "Where the falloff reaches zero");
     t.extent = [](std::span<const float>) { return 0.f; };
     t.kernels = &kernels;
     return t;

@@ -78,17 +78,18 @@ struct Params {
 const PrimitiveType& primitive_pyramid() {
   static const PrimitiveType type = [] {
     PrimitiveType t;
-    t.name = "pyramid";
-    t.doc = "Constant inside a pyramid whose base the anchor is the middle of, then falls off";
-    t.source = "[Paris19 §5.2]";
-    t.params = ParamTable<Params>()
-                   .real("radius", &Params::radius, "m", 1e-3, 1e4,
-                         "Rounding: how far the body reaches beyond the shape that the other numbers give")
-                   .real("hx", &Params::hx, "m", 0, 1e4, "Half the base's size along its own x")
-                   .real("hy", &Params::hy, "m", 0, 1e4, "Half the base's size along its own y")
-                   .real("height", &Params::height, "m", 1e-2, 1e4, "Height of the top above the base")
-                   .real("turn", &Params::turn, "deg", -360, 360,
-                         "Turn about the vertical, counter-clockwise from above");
+    t.about.name = "pyramid";
+    t.about.doc = "Constant inside a pyramid whose base the anchor is the middle of, then falls off";
+    t.about.source = "[Paris19 §5.2]";
+    t.about.params =
+        ParamTable<Params>()
+            .real("radius", &Params::radius, "m", 1e-3, 1e4,
+                  "Rounding: how far the body reaches beyond the shape that the other numbers give")
+            .real("hx", &Params::hx, "m", 0, 1e4, "Half the base's size along its own x")
+            .real("hy", &Params::hy, "m", 0, 1e4, "Half the base's size along its own y")
+            .real("height", &Params::height, "m", 1e-2, 1e4, "Height of the top above the base")
+            .real("turn", &Params::turn, "deg", -360, 360,
+                  "Turn about the vertical, counter-clockwise from above");
     t.extras = 4;
     t.volumetric = true;
     t.extent = [](std::span<const float> e) { return std::max(std::sqrt(e[0] * e[0] + e[1] * e[1]), e[2]); };

@@ -44,14 +44,15 @@ struct Params {
 const PrimitiveType& primitive_segment() {
   static const PrimitiveType type = [] {
     PrimitiveType t;
-    t.name = "segment";
-    t.doc = "Falls off from a line segment";
-    t.source = "[Paris19 §5.2]";
-    t.params = ParamTable<Params>()
-                   .real("radius", &Params::radius, "m", 1e-3, 1e4, "Where the falloff reaches zero")
-                   .real("dx", &Params::dx, "m", -1e4, 1e4, "End of the segment relative to its start, east")
-                   .real("dy", &Params::dy, "m", -1e4, 1e4, "End of the segment relative to its start, north")
-                   .real("dz", &Params::dz, "m", -1e4, 1e4, "End of the segment relative to its start, up");
+    t.about.name = "segment";
+    t.about.doc = "Falls off from a line segment";
+    t.about.source = "[Paris19 §5.2]";
+    t.about.params =
+        ParamTable<Params>()
+            .real("radius", &Params::radius, "m", 1e-3, 1e4, "Where the falloff reaches zero")
+            .real("dx", &Params::dx, "m", -1e4, 1e4, "End of the segment relative to its start, east")
+            .real("dy", &Params::dy, "m", -1e4, 1e4, "End of the segment relative to its start, north")
+            .real("dz", &Params::dz, "m", -1e4, 1e4, "End of the segment relative to its start, up");
     t.extras = 3;
     t.extent = [](std::span<const float> e) { return std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]); };
     t.kernels = &kernels;

@@ -42,10 +42,11 @@ struct Params {
 const PrimitiveType& primitive_sphere() {
   static const PrimitiveType type = [] {
     PrimitiveType t;
-    t.name = "sphere";
-    t.doc = "Constant inside a ball, then falls off over the influence radius";
-    t.source = "[Paris19 §5.2]";
-    t.params = ParamTable<Params>().real("radius", &Params::radius, "m", 1e-3, 1e4, "Radius of the ball");
+    t.about.name = "sphere";
+    t.about.doc = "Constant inside a ball, then falls off over the influence radius";
+    t.about.source = "[Paris19 §5.2]";
+    t.about.params =
+        ParamTable<Params>().real("radius", &Params::radius, "m", 1e-3, 1e4, "Radius of the ball");
     t.volumetric = true;
     t.extent = [](std::span<const float>) { return 0.f; };
     t.kernels = &kernels;

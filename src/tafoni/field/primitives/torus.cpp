@@ -52,15 +52,16 @@ struct Params {
 const PrimitiveType& primitive_torus() {
   static const PrimitiveType type = [] {
     PrimitiveType t;
-    t.name = "torus";
-    t.doc = "Constant inside a torus about the anchor, then falls off";
-    t.source = "[Paris19 §5.2]";
-    t.params = ParamTable<Params>()
-                   .real("radius", &Params::radius, "m", 1e-3, 1e4, "Radius of the tube")
-                   .real("dx", &Params::dx, "m", -1e4, 1e4, "Normal of its plane, east")
-                   .real("dy", &Params::dy, "m", -1e4, 1e4, "Normal of its plane, north")
-                   .real("dz", &Params::dz, "m", -1e4, 1e4, "Normal of its plane, up")
-                   .real("ring", &Params::ring, "m", 0, 1e4, "Radius of the circle that its tube follows");
+    t.about.name = "torus";
+    t.about.doc = "Constant inside a torus about the anchor, then falls off";
+    t.about.source = "[Paris19 §5.2]";
+    t.about.params =
+        ParamTable<Params>()
+            .real("radius", &Params::radius, "m", 1e-3, 1e4, "Radius of the tube")
+            .real("dx", &Params::dx, "m", -1e4, 1e4, "Normal of its plane, east")
+            .real("dy", &Params::dy, "m", -1e4, 1e4, "Normal of its plane, north")
+            .real("dz", &Params::dz, "m", -1e4, 1e4, "Normal of its plane, up")
+            .real("ring", &Params::ring, "m", 0, 1e4, "Radius of the circle that its tube follows");
     t.extras = 4;
     t.volumetric = true;
     t.extent = [](std::span<const float> e) { return e[3]; };

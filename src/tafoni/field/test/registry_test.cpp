@@ -33,13 +33,13 @@ Sample draw(const PrimitiveType& type, Random& random) {
            {static_cast<float>(random.uniform(1.5, 8))}};
   const std::uint64_t groups = type.extras == 0 ? 0 : type.variable ? 1 + random.below(5) : 1;
   for (std::uint64_t i = 0; i < groups; ++i)
-    for (const ParamInfo& p : std::span(type.params).subspan(1))
+    for (const ParamInfo& p : std::span(type.about.params).subspan(1))
       s.shape.push_back(static_cast<float>(random.uniform(std::max(p.min, -10.0), std::min(p.max, 10.0))));
   return s;
 }
 
 NodePtr cloud_of(const PrimitiveType& type, std::span<const Sample> samples, double noise) {
-  CloudBuilder cloud({type.name, 7, {noise, 3, 2, 5}});
+  CloudBuilder cloud({type.about.name, 7, {noise, 3, 2, 5}});
   for (const Sample& s : samples) cloud.add(s.anchor, s.energy, s.shape);
   return cloud.finish();
 }
@@ -48,24 +48,24 @@ class Kinds : public testing::TestWithParam<const PrimitiveType*> {};
 
 TEST_P(Kinds, DeclareThemselves) {
   const PrimitiveType& type = *GetParam();
-  EXPECT_FALSE(type.doc.empty());
-  EXPECT_FALSE(type.source.empty());
-  ASSERT_FALSE(type.params.empty());
-  EXPECT_EQ(type.params[0].name, "radius");
-  EXPECT_EQ(type.params.size(), static_cast<std::size_t>(1 + type.extras));
+  EXPECT_FALSE(type.about.doc.empty());
+  EXPECT_FALSE(type.about.source.empty());
+  ASSERT_FALSE(type.about.params.empty());
+  EXPECT_EQ(type.about.params[0].name, "radius");
+  EXPECT_EQ(type.about.params.size(), static_cast<std::size_t>(1 + type.extras));
   // A chain of vertices, relative to the first.
   if (type.variable) {
     EXPECT_EQ(type.extras, 3);
   }
   std::set<std::string> names;
-  for (const ParamInfo& p : type.params) {
+  for (const ParamInfo& p : type.about.params) {
     EXPECT_TRUE(names.insert(p.name).second) << p.name;
     EXPECT_FALSE(p.doc.empty()) << p.name;
     EXPECT_LT(p.min, p.max) << p.name;
-    EXPECT_NO_THROW(checked(p, p.init, type.name));
-    EXPECT_THROW(checked(p, Value(p.max * 2), type.name), Error);
-    EXPECT_THROW(checked(p, Value(std::string("wide")), type.name), Error);
-    EXPECT_EQ(std::get<double>(parsed(p, to_toml(p.init), type.name)), std::get<double>(p.init));
+    EXPECT_NO_THROW(checked(p, p.init, type.about.name));
+    EXPECT_THROW(checked(p, Value(p.max * 2), type.about.name), Error);
+    EXPECT_THROW(checked(p, Value(std::string("wide")), type.about.name), Error);
+    EXPECT_EQ(std::get<double>(parsed(p, to_toml(p.init), type.about.name)), std::get<double>(p.init));
   }
 }
 
@@ -132,12 +132,12 @@ TEST_P(Kinds, HaveTheirEnergyAtTheSkeleton) {
 TEST_P(Kinds, RefuseNumbersOutsideTheirRanges) {
   const PrimitiveType& type = *GetParam();
   Random random(9);
-  for (std::size_t i = 0; i < type.params.size(); ++i) {
+  for (std::size_t i = 0; i < type.about.params.size(); ++i) {
     Sample s = draw(type, random);
-    CloudBuilder cloud({type.name, 7, {}});
+    CloudBuilder cloud({type.about.name, 7, {}});
     cloud.add(s.anchor, s.energy, s.shape);
-    s.shape[i] = static_cast<float>(type.params[i].max * 20);
-    EXPECT_THROW(cloud.add(s.anchor, s.energy, s.shape), Error) << type.params[i].name;
+    s.shape[i] = static_cast<float>(type.about.params[i].max * 20);
+    EXPECT_THROW(cloud.add(s.anchor, s.energy, s.shape), Error) << type.about.params[i].name;
   }
 }
 
@@ -199,7 +199,7 @@ TEST_P(Kinds, GradientsMatchDifferences) {
 }
 
 std::string kind_name(const testing::TestParamInfo<const PrimitiveType*>& info) {
-  std::string name = info.param->name;
+  std::string name = info.param->about.name;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
@@ -210,20 +210,20 @@ class Operators : public testing::TestWithParam<const OperatorType*> {};
 
 TEST_P(Operators, DeclareThemselves) {
   const OperatorType& type = *GetParam();
-  EXPECT_FALSE(type.doc.empty());
-  EXPECT_FALSE(type.source.empty());
+  EXPECT_FALSE(type.about.doc.empty());
+  EXPECT_FALSE(type.about.source.empty());
   EXPECT_EQ(type.combines(), type.interval != nullptr);
   EXPECT_EQ(type.combines(), type.needs != nullptr);
   if (type.combines()) {
-    EXPECT_LE(type.params.size(), 1u);
+    EXPECT_LE(type.about.params.size(), 1u);
   } else {
-    EXPECT_FALSE(type.params.empty());
-    EXPECT_THROW(combine(type.name, {constant(1), constant(2)}), Error);
+    EXPECT_FALSE(type.about.params.empty());
+    EXPECT_THROW(combine(type.about.name, {constant(1), constant(2)}), Error);
   }
-  for (const ParamInfo& p : type.params) {
+  for (const ParamInfo& p : type.about.params) {
     EXPECT_FALSE(p.doc.empty()) << p.name;
     EXPECT_LT(p.min, p.max) << p.name;
-    EXPECT_NO_THROW(checked(p, p.init, type.name));
+    EXPECT_NO_THROW(checked(p, p.init, type.about.name));
   }
 }
 
@@ -231,7 +231,7 @@ TEST_P(Operators, IntervalsAndNeedsAreHonest) {
   const OperatorType& type = *GetParam();
   if (!type.combines()) return;  // operators_test asks this of trees
   const float parameter =
-      type.params.empty() ? 0.f : static_cast<float>(std::get<double>(type.params.front().init));
+      type.about.params.empty() ? 0.f : static_cast<float>(std::get<double>(type.about.params.front().init));
   Random random(1);
   for (int i = 0; i < 2000; ++i) {
     const auto range = [&] {
@@ -243,7 +243,7 @@ TEST_P(Operators, IntervalsAndNeedsAreHonest) {
     for (int k = 0; k < 10; ++k) {
       const auto va = static_cast<float>(random.uniform(a.lo, a.hi)),
                  vb = static_cast<float>(random.uniform(b.lo, b.hi));
-      const float v = compile(combine(type.name, {constant(va), constant(vb)})).value({0, 0, 0});
+      const float v = compile(combine(type.about.name, {constant(va), constant(vb)})).value({0, 0, 0});
       EXPECT_GE(v, r.lo);
       EXPECT_LE(v, r.hi);
       if (needs != Needs::both) {
@@ -254,7 +254,7 @@ TEST_P(Operators, IntervalsAndNeedsAreHonest) {
 }
 
 std::string operator_name(const testing::TestParamInfo<const OperatorType*>& info) {
-  return info.param->name;
+  return info.param->about.name;
 }
 INSTANTIATE_TEST_SUITE_P(Registry, Operators,
                          testing::ValuesIn(all_operators().begin(), all_operators().end()), operator_name);

@@ -31,7 +31,11 @@ GeologyPtr make(const Values&, std::vector<GeologyPtr> children, std::uint64_t) 
 
 const GeologyType& geology_blend() {
   static const GeologyType type{
-      "blend", "The sum of its children's resistances", "[Paris19 §4.2]", {}, 1, 1000, &make};
+      .about = {.name = "blend", .doc = "The sum of its children's resistances", .source = "[Paris19 §4.2]"},
+      .min_children = 1,
+      .max_children = 1000,
+      .make = &make,
+  };
   return type;
 }
 

@@ -62,13 +62,15 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr> children, std::uin
 }  // namespace
 
 const GeologyType& geology_contact() {
-  static const GeologyType type{"contact",
-                                "Two rocks side by side: the second child inside a domain, the first outside",
-                                "[Paris19 §4, fig. 3]",
-                                table().infos(),
-                                2,
-                                3,
-                                &make};
+  static const GeologyType type{
+      .about = {.name = "contact",
+                .doc = "Two rocks side by side: the second child inside a domain, the first outside",
+                .source = "[Paris19 §4, fig. 3]",
+                .params = table().infos()},
+      .min_children = 2,
+      .max_children = 3,
+      .make = &make,
+  };
   return type;
 }
 

@@ -79,13 +79,13 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
 }  // namespace
 
 const GeologyType& geology_curve() {
-  static const GeologyType type{"curve",
-                                "Adds resistance along a curve, or takes it away; 0 elsewhere",
-                                "[Paris19 §4.2]",
-                                table().infos(),
-                                0,
-                                0,
-                                &make};
+  static const GeologyType type{
+      .about = {.name = "curve",
+                .doc = "Adds resistance along a curve, or takes it away; 0 elsewhere",
+                .source = "[Paris19 §4.2]",
+                .params = table().infos()},
+      .make = &make,
+  };
   return type;
 }
 

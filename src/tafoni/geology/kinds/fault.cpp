@@ -51,13 +51,15 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr> children, std::uin
 }  // namespace
 
 const GeologyType& geology_fault() {
-  static const GeologyType type{"fault",
-                                "Moves the rock of its child inside a domain; it is torn along the border",
-                                "[Paris19 §4.4]",
-                                table().infos(),
-                                1,
-                                2,
-                                &make};
+  static const GeologyType type{
+      .about = {.name = "fault",
+                .doc = "Moves the rock of its child inside a domain; it is torn along the border",
+                .source = "[Paris19 §4.4]",
+                .params = table().infos()},
+      .min_children = 1,
+      .max_children = 2,
+      .make = &make,
+  };
   return type;
 }
 

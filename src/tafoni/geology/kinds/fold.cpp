@@ -92,13 +92,15 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr> children, std::uin
 }  // namespace
 
 const GeologyType& geology_fold() {
-  static const GeologyType type{"fold",
-                                "Folds its child by turbulence, by regular waves or by both",
-                                "[Paris19 §4.3]",
-                                table().infos(),
-                                1,
-                                1,
-                                &make};
+  static const GeologyType type{
+      .about = {.name = "fold",
+                .doc = "Folds its child by turbulence, by regular waves or by both",
+                .source = "[Paris19 §4.3]",
+                .params = table().infos()},
+      .min_children = 1,
+      .max_children = 1,
+      .make = &make,
+  };
   return type;
 }
 

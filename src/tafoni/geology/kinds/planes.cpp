@@ -85,13 +85,13 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
 }  // namespace
 
 const GeologyType& geology_planes() {
-  static const GeologyType type{"planes",
-                                "Parallel bands about planes of any dip, harder or softer than the rest",
-                                "[Paris19 §4.2]",
-                                table().infos(),
-                                0,
-                                0,
-                                &make};
+  static const GeologyType type{
+      .about = {.name = "planes",
+                .doc = "Parallel bands about planes of any dip, harder or softer than the rest",
+                .source = "[Paris19 §4.2]",
+                .params = table().infos()},
+      .make = &make,
+  };
   return type;
 }
 

@@ -47,13 +47,13 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
 }  // namespace
 
 const GeologyType& geology_sphere() {
-  static const GeologyType type{"sphere",
-                                "Adds resistance about places, or takes it away; 0 elsewhere",
-                                "[Paris19 §4.2]",
-                                table().infos(),
-                                0,
-                                0,
-                                &make};
+  static const GeologyType type{
+      .about = {.name = "sphere",
+                .doc = "Adds resistance about places, or takes it away; 0 elsewhere",
+                .source = "[Paris19 §4.2]",
+                .params = table().infos()},
+      .make = &make,
+  };
   return type;
 }
 

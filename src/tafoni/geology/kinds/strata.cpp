@@ -212,13 +212,13 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
 }  // namespace
 
 const GeologyType& geology_strata() {
-  static const GeologyType type{"strata",
-                                "Beds of hard and soft rock, one above the other",
-                                "[Paris19 §4.2], as a sequence of beds",
-                                table().infos(),
-                                0,
-                                0,
-                                &make};
+  static const GeologyType type{
+      .about = {.name = "strata",
+                .doc = "Beds of hard and soft rock, one above the other",
+                .source = "[Paris19 §4.2], as a sequence of beds",
+                .params = table().infos()},
+      .make = &make,
+  };
   return type;
 }
 

@@ -62,13 +62,15 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr> children, std::uin
 }  // namespace
 
 const GeologyType& geology_taper() {
-  static const GeologyType type{"taper",
-                                "Compresses or swells the beds of its child about a place",
-                                "[Paris19 §4.3]",
-                                table().infos(),
-                                1,
-                                1,
-                                &make};
+  static const GeologyType type{
+      .about = {.name = "taper",
+                .doc = "Compresses or swells the beds of its child about a place",
+                .source = "[Paris19 §4.3]",
+                .params = table().infos()},
+      .min_children = 1,
+      .max_children = 1,
+      .make = &make,
+  };
   return type;
 }
 

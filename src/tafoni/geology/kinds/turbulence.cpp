@@ -65,13 +65,13 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
 }  // namespace
 
 const GeologyType& geology_turbulence() {
-  static const GeologyType type{"turbulence",
-                                "Beds and lenses from fractal noise of the elevation",
-                                "[Paris19 §4.1]",
-                                table().infos(),
-                                0,
-                                0,
-                                &make};
+  static const GeologyType type{
+      .about = {.name = "turbulence",
+                .doc = "Beds and lenses from fractal noise of the elevation",
+                .source = "[Paris19 §4.1]",
+                .params = table().infos()},
+      .make = &make,
+  };
   return type;
 }
 

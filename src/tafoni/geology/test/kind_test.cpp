@@ -27,7 +27,7 @@ GeologyPtr any(const GeologyType& type, Vec3d origin, std::uint64_t seed) {
   std::vector<GeologyPtr> children;
   for (std::size_t i = 0; i < type.min_children; ++i)
     children.push_back(make_geology("turbulence", {}, {}, origin, seed + i));
-  return make_geology(type.name, {}, children, origin, seed);
+  return make_geology(type.about.name, {}, children, origin, seed);
 }
 
 /// Whether it only changes rock near a place and adds nothing elsewhere.
@@ -53,14 +53,14 @@ class EveryKind : public testing::TestWithParam<const GeologyType*> {};
 
 TEST_P(EveryKind, IsDeclaredInFull) {
   const GeologyType& type = *GetParam();
-  EXPECT_EQ(&find_geology(type.name), &type);
-  EXPECT_FALSE(type.doc.empty());
-  EXPECT_THAT(type.source, HasSubstr("section"));
+  EXPECT_EQ(&find_geology(type.about.name), &type);
+  EXPECT_FALSE(type.about.doc.empty());
+  EXPECT_THAT(type.about.source, HasSubstr("section"));
   EXPECT_LE(type.min_children, type.max_children);
-  for (const ParamInfo& info : type.params) {
+  for (const ParamInfo& info : type.about.params) {
     EXPECT_FALSE(info.doc.empty()) << info.name;
     EXPECT_NE(info.doc.back(), '.') << info.name;
-    EXPECT_EQ(checked(info, info.init, type.name), info.init) << info.name;
+    EXPECT_EQ(checked(info, info.init, type.about.name), info.init) << info.name;
   }
 }
 
@@ -114,18 +114,18 @@ TEST_P(EveryKind, DefaultsUseTheRangeOfResistance) {
 TEST_P(EveryKind, RejectsUnknownParametersAndChildren) {
   const GeologyType& type = *GetParam();
   std::vector<GeologyPtr> children(type.max_children + 1, make_geology("turbulence", {}, {}, {}, 0));
-  EXPECT_THAT(error_of([&] { make_geology(type.name, {}, children, {}, 0); }),
+  EXPECT_THAT(error_of([&] { make_geology(type.about.name, {}, children, {}, 0); }),
               HasSubstr(fmt::format(", but has {}", type.max_children + 1)));
   children.resize(type.min_children);
   EXPECT_THAT(error_of([&] {
-                make_geology(type.name, {{"nonsense", 1.0}}, children, {}, 0);
+                make_geology(type.about.name, {{"nonsense", 1.0}}, children, {}, 0);
               }),
-              HasSubstr(type.name + ": unknown parameter \"nonsense\""));
+              HasSubstr(type.about.name + ": unknown parameter \"nonsense\""));
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, EveryKind,
                          testing::ValuesIn(all_geologies().begin(), all_geologies().end()),
-                         [](const auto& tested) { return tested.param->name; });
+                         [](const auto& tested) { return tested.param->about.name; });
 
 TEST(Kind, UnknownNameGetsTheNearest) {
   EXPECT_EQ(error_of([] { find_geology("starta"); }), "unknown geology \"starta\"; did you mean \"strata\"?");

@@ -44,15 +44,18 @@ const std::vector<ParamInfo>& table() {
 
 const SolidType& solid_cone() {
   static const SolidType type{
-      "cone",
-      "An upright cone, whole or cut off; bonds in the middles of its ends and on four sides; a point's has "
-      "no direction",
-      "[Zawadzki §2.1]",
-      table(),
-      [](const Values& sizes) { return impl::made<Cone>(table(), sizes, "cone"); },
-      [](Vec3d half) {
-        return Values{{"base", std::min(half.x, half.y)}, {"tip", 0.0}, {"height", 2 * half.z}};
-      }};
+      .about = {.name = "cone",
+                .doc = "An upright cone, whole or cut off; bonds in the middles of its ends and on four "
+                       "sides; a point's has "
+                       "no direction",
+                .source = "[Zawadzki §2.1]",
+                .params = table()},
+      .make = [](const Values& sizes) { return impl::made<Cone>(table(), sizes, "cone"); },
+      .fit =
+          [](Vec3d half) {
+            return Values{{"base", std::min(half.x, half.y)}, {"tip", 0.0}, {"height", 2 * half.z}};
+          },
+  };
   return type;
 }
 

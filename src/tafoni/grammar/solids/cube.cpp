@@ -28,14 +28,17 @@ const std::vector<ParamInfo>& table() {
 }  // namespace
 
 const SolidType& solid_cube() {
-  static const SolidType type{"cube",
-                              "A cuboid; bonds in the middles of its six faces",
-                              "[Zawadzki §2.5, fig. 6]",
-                              table(),
-                              [](const Values& sizes) { return impl::made<Cube>(table(), sizes, "cube"); },
-                              [](Vec3d half) {
-                                return Values{{"hx", half.x}, {"hy", half.y}, {"hz", half.z}};
-                              }};
+  static const SolidType type{
+      .about = {.name = "cube",
+                .doc = "A cuboid; bonds in the middles of its six faces",
+                .source = "[Zawadzki §2.5, fig. 6]",
+                .params = table()},
+      .make = [](const Values& sizes) { return impl::made<Cube>(table(), sizes, "cube"); },
+      .fit =
+          [](Vec3d half) {
+            return Values{{"hx", half.x}, {"hy", half.y}, {"hz", half.z}};
+          },
+  };
   return type;
 }
 

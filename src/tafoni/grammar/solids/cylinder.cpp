@@ -27,14 +27,16 @@ const std::vector<ParamInfo>& table() {
 
 const SolidType& solid_cylinder() {
   static const SolidType type{
-      "cylinder",
-      "An upright cylinder; bonds in the middles of its ends and on four sides",
-      "[Zawadzki §2.2]",
-      table(),
-      [](const Values& sizes) { return impl::made<Cylinder>(table(), sizes, "cylinder"); },
-      [](Vec3d half) {
-        return Values{{"radius", std::min(half.x, half.y)}, {"height", 2 * half.z}};
-      }};
+      .about = {.name = "cylinder",
+                .doc = "An upright cylinder; bonds in the middles of its ends and on four sides",
+                .source = "[Zawadzki §2.2]",
+                .params = table()},
+      .make = [](const Values& sizes) { return impl::made<Cylinder>(table(), sizes, "cylinder"); },
+      .fit =
+          [](Vec3d half) {
+            return Values{{"radius", std::min(half.x, half.y)}, {"height", 2 * half.z}};
+          },
+  };
   return type;
 }
 

@@ -56,14 +56,16 @@ const std::vector<ParamInfo>& table() {
 
 const SolidType& solid_ellipsoid() {
   static const SolidType type{
-      "ellipsoid",
-      "An ellipsoid, by its true distance; bonds at its six poles",
-      "[Zawadzki §2.1]",
-      table(),
-      [](const Values& sizes) { return impl::made<Ellipsoid>(table(), sizes, "ellipsoid"); },
-      [](Vec3d half) {
-        return Values{{"hx", half.x}, {"hy", half.y}, {"hz", half.z}};
-      }};
+      .about = {.name = "ellipsoid",
+                .doc = "An ellipsoid, by its true distance; bonds at its six poles",
+                .source = "[Zawadzki §2.1]",
+                .params = table()},
+      .make = [](const Values& sizes) { return impl::made<Ellipsoid>(table(), sizes, "ellipsoid"); },
+      .fit =
+          [](Vec3d half) {
+            return Values{{"hx", half.x}, {"hy", half.y}, {"hz", half.z}};
+          },
+  };
   return type;
 }
 

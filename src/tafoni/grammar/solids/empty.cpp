@@ -12,12 +12,13 @@ struct Empty final : Solid {
 }  // namespace
 
 const SolidType& solid_empty() {
-  static const SolidType type{"empty",
-                              "Nothing: what a grammar begins with, and what ends a branch of it",
-                              "[Zawadzki §2.1]",
-                              {},
-                              [](const Values& sizes) { return impl::made<Empty>({}, sizes, "empty"); },
-                              [](Vec3d) { return Values{}; }};
+  static const SolidType type{
+      .about = {.name = "empty",
+                .doc = "Nothing: what a grammar begins with, and what ends a branch of it",
+                .source = "[Zawadzki §2.1]"},
+      .make = [](const Values& sizes) { return impl::made<Empty>({}, sizes, "empty"); },
+      .fit = [](Vec3d) { return Values{}; },
+  };
   return type;
 }
 

@@ -54,14 +54,17 @@ const std::vector<ParamInfo>& table() {
 
 const SolidType& solid_pyramid() {
   static const SolidType type{
-      "pyramid",
-      "A pyramid on a rectangle; bonds in the middles of its five faces, and at its point, without direction",
-      "[Zawadzki §2.1]",
-      table(),
-      [](const Values& sizes) { return impl::made<Pyramid>(table(), sizes, "pyramid"); },
-      [](Vec3d half) {
-        return Values{{"hx", half.x}, {"hy", half.y}, {"height", 2 * half.z}};
-      }};
+      .about = {.name = "pyramid",
+                .doc = "A pyramid on a rectangle; bonds in the middles of its five faces, and at its point, "
+                       "without direction",
+                .source = "[Zawadzki §2.1]",
+                .params = table()},
+      .make = [](const Values& sizes) { return impl::made<Pyramid>(table(), sizes, "pyramid"); },
+      .fit =
+          [](Vec3d half) {
+            return Values{{"hx", half.x}, {"hy", half.y}, {"height", 2 * half.z}};
+          },
+  };
   return type;
 }
 

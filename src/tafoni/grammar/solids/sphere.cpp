@@ -21,14 +21,16 @@ const std::vector<ParamInfo>& table() {
 
 const SolidType& solid_sphere() {
   static const SolidType type{
-      "sphere",
-      "A sphere; bonds at its six poles",
-      "[Zawadzki §2.2]",
-      table(),
-      [](const Values& sizes) { return impl::made<Sphere>(table(), sizes, "sphere"); },
-      [](Vec3d half) {
-        return Values{{"radius", std::min({half.x, half.y, half.z})}};
-      }};
+      .about = {.name = "sphere",
+                .doc = "A sphere; bonds at its six poles",
+                .source = "[Zawadzki §2.2]",
+                .params = table()},
+      .make = [](const Values& sizes) { return impl::made<Sphere>(table(), sizes, "sphere"); },
+      .fit =
+          [](Vec3d half) {
+            return Values{{"radius", std::min({half.x, half.y, half.z})}};
+          },
+  };
   return type;
 }
 

@@ -34,16 +34,18 @@ const std::vector<ParamInfo>& table() {
 }  // namespace
 
 const SolidType& solid_torus() {
-  static const SolidType type{"torus",
-                              "A ring that lies flat; bonds on four sides of its outer rim, on top and below",
-                              "[Zawadzki §2.1]",
-                              table(),
-                              [](const Values& sizes) { return impl::made<Torus>(table(), sizes, "torus"); },
-                              [](Vec3d half) {
-                                const double wide = std::min(half.x, half.y),
-                                             tube = std::min(half.z, 0.4 * wide);
-                                return Values{{"ring", wide - tube}, {"tube", tube}};
-                              }};
+  static const SolidType type{
+      .about = {.name = "torus",
+                .doc = "A ring that lies flat; bonds on four sides of its outer rim, on top and below",
+                .source = "[Zawadzki §2.1]",
+                .params = table()},
+      .make = [](const Values& sizes) { return impl::made<Torus>(table(), sizes, "torus"); },
+      .fit =
+          [](Vec3d half) {
+            const double wide = std::min(half.x, half.y), tube = std::min(half.z, 0.4 * wide);
+            return Values{{"ring", wide - tube}, {"tube", tube}};
+          },
+  };
   return type;
 }
 

@@ -39,13 +39,13 @@ class EverySolid : public testing::TestWithParam<const SolidType*> {
 
 TEST_P(EverySolid, IsDocumented) {
   const SolidType& type = *GetParam();
-  EXPECT_FALSE(type.doc.empty());
-  EXPECT_FALSE(type.source.empty());
-  EXPECT_EQ(&find_solid(type.name), &type);
-  for (const ParamInfo& info : type.params) {
+  EXPECT_FALSE(type.about.doc.empty());
+  EXPECT_FALSE(type.about.source.empty());
+  EXPECT_EQ(&find_solid(type.about.name), &type);
+  for (const ParamInfo& info : type.about.params) {
     EXPECT_FALSE(info.doc.empty()) << info.name;
     EXPECT_EQ(info.unit, "m") << info.name;
-    EXPECT_NO_THROW(checked(info, info.init, type.name)) << info.name;
+    EXPECT_NO_THROW(checked(info, info.init, type.about.name)) << info.name;
     EXPECT_THROW(type.make({{info.name, -1.0}}), Error) << info.name;
   }
   EXPECT_THROW(type.make({{"colour", 1.0}}), Error);
@@ -145,7 +145,7 @@ TEST_P(EverySolid, TheRangeOverABoxHoldsItsValues) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, EverySolid, testing::ValuesIn(all_solids().begin(), all_solids().end()),
-                         [](const auto& test_case) { return test_case.param->name; });
+                         [](const auto& test_case) { return test_case.param->about.name; });
 
 TEST(Torus, WhoseTubeFillsItsHoleHasNoInnerSurface) {
   const SolidPtr s = find_solid("torus").make({{"ring", 1.0}, {"tube", 2.0}});

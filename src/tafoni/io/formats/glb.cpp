@@ -331,17 +331,16 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
 }  // namespace
 
 const FormatType& format_glb() {
-  static const FormatType type{.name = "glb",
-                               .doc =
-                                   "glTF 2.0 binary with normals, texture coordinates and vertex colours, y "
-                                   "up; the world origin and CRS stand in the node's extras",
-                               .source = "Khronos glTF 2.0, ISO/IEC 12113",
-                               .extensions = {"glb"},
-                               .params = {},
-                               .write_mesh = write,
-                               .read_mesh = read,
-                               .write_image = nullptr,
-                               .texture = true};
+  static const FormatType type{
+      .about = {.name = "glb",
+                .doc = "glTF 2.0 binary with normals, texture coordinates and vertex colours, y "
+                       "up; the world origin and CRS stand in the node's extras",
+                .source = "Khronos glTF 2.0, ISO/IEC 12113"},
+      .extensions = {"glb"},
+      .write_mesh = write,
+      .read_mesh = read,
+      .texture = true,
+  };
   return type;
 }
 

@@ -23,14 +23,11 @@ void write(AtomicFile& out, const raster::Image& image) {
 }  // namespace
 
 const FormatType& format_jpg() {
-  static const FormatType type{.name = "jpg",
-                               .doc = "Pictures, 8-bit sRGB, small",
-                               .source = "ITU-T T.81, ISO/IEC 10918-1",
-                               .extensions = {"jpg", "jpeg"},
-                               .params = {},
-                               .write_mesh = nullptr,
-                               .read_mesh = nullptr,
-                               .write_image = write};
+  static const FormatType type{
+      .about = {.name = "jpg", .doc = "Pictures, 8-bit sRGB, small", .source = "ITU-T T.81, ISO/IEC 10918-1"},
+      .extensions = {"jpg", "jpeg"},
+      .write_image = write,
+  };
   return type;
 }
 

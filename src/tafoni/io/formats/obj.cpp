@@ -180,15 +180,14 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
 
 const FormatType& format_obj() {
   static const FormatType type{
-      .name = "obj",
-      .doc = "Wavefront text with normals, texture coordinates and vertex colours (sRGB), z up",
-      .source = "Wavefront Advanced Visualizer manual, appendix B1",
+      .about = {.name = "obj",
+                .doc = "Wavefront text with normals, texture coordinates and vertex colours (sRGB), z up",
+                .source = "Wavefront Advanced Visualizer manual, appendix B1"},
       .extensions = {"obj"},
-      .params = {},
       .write_mesh = write,
       .read_mesh = read,
-      .write_image = nullptr,
-      .texture = true};
+      .texture = true,
+  };
   return type;
 }
 

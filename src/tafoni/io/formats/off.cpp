@@ -51,14 +51,13 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
 }  // namespace
 
 const FormatType& format_off() {
-  static const FormatType type{.name = "off",
-                               .doc = "Object file format, text, read only; polygons become triangles",
-                               .source = "Geomview manual, OFF",
-                               .extensions = {"off"},
-                               .params = {},
-                               .write_mesh = nullptr,
-                               .read_mesh = read,
-                               .write_image = nullptr};
+  static const FormatType type{
+      .about = {.name = "off",
+                .doc = "Object file format, text, read only; polygons become triangles",
+                .source = "Geomview manual, OFF"},
+      .extensions = {"off"},
+      .read_mesh = read,
+  };
   return type;
 }
 

@@ -195,14 +195,15 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
 
 const FormatType& format_ply() {
   static const FormatType type{
-      .name = "ply",
-      .doc = "Binary polygons with normals and vertex colours (sRGB), z up; reads text and big-endian too",
-      .source = "G. Turk, The PLY polygon file format, Stanford 1994",
+      .about =
+          {.name = "ply",
+           .doc =
+               "Binary polygons with normals and vertex colours (sRGB), z up; reads text and big-endian too",
+           .source = "G. Turk, The PLY polygon file format, Stanford 1994"},
       .extensions = {"ply"},
-      .params = {},
       .write_mesh = write,
       .read_mesh = read,
-      .write_image = nullptr};
+  };
   return type;
 }
 

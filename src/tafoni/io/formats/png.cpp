@@ -26,14 +26,13 @@ void write(AtomicFile& out, const raster::Image& image) {
 }  // namespace
 
 const FormatType& format_png() {
-  static const FormatType type{.name = "png",
-                               .doc = "Pictures, 8-bit sRGB, lossless",
-                               .source = "W3C Portable Network Graphics, ISO/IEC 15948",
-                               .extensions = {"png"},
-                               .params = {},
-                               .write_mesh = nullptr,
-                               .read_mesh = nullptr,
-                               .write_image = write};
+  static const FormatType type{
+      .about = {.name = "png",
+                .doc = "Pictures, 8-bit sRGB, lossless",
+                .source = "W3C Portable Network Graphics, ISO/IEC 15948"},
+      .extensions = {"png"},
+      .write_image = write,
+  };
   return type;
 }
 

@@ -80,14 +80,13 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
 
 const FormatType& format_stl() {
   static const FormatType type{
-      .name = "stl",
-      .doc = "Triangles alone for print and CAD, binary; the world origin stands in the header",
-      .source = "3D Systems, StereoLithography interface specification, 1989",
+      .about = {.name = "stl",
+                .doc = "Triangles alone for print and CAD, binary; the world origin stands in the header",
+                .source = "3D Systems, StereoLithography interface specification, 1989"},
       .extensions = {"stl"},
-      .params = {},
       .write_mesh = write,
       .read_mesh = read,
-      .write_image = nullptr};
+  };
   return type;
 }
 

@@ -337,13 +337,14 @@ Volume read(std::span<const std::byte> bytes, std::string_view file, Progress& p
 }  // namespace
 
 const FormatType& format_tvol() {
-  static const FormatType type{.name = "tvol",
-                               .doc = "Volumes of tafoni: every bit, in chunks, compressed, with checksums",
-                               .source = "the layout stands at the head of io/formats/tvol.cpp",
-                               .extensions = {"tvol"},
-                               .params = {},
-                               .write_volume = write,
-                               .read_volume = read};
+  static const FormatType type{
+      .about = {.name = "tvol",
+                .doc = "Volumes of tafoni: every bit, in chunks, compressed, with checksums",
+                .source = "the layout stands at the head of io/formats/tvol.cpp"},
+      .extensions = {"tvol"},
+      .write_volume = write,
+      .read_volume = read,
+  };
   return type;
 }
 

@@ -477,13 +477,13 @@ namespace tafoni::io {
 
 const FormatType& format_vdb() {
   static const FormatType type{
-      .name = "vdb",
-      .doc = "OpenVDB, as a level set (negative in rock) named surface; reads fog volumes too",
-      .source = "OpenVDB 10",
+      .about = {.name = "vdb",
+                .doc = "OpenVDB, as a level set (negative in rock) named surface; reads fog volumes too",
+                .source = "OpenVDB 10"},
       .extensions = {"vdb"},
-      .params = {},
       .write_volume = write,
-      .read_volume = read};
+      .read_volume = read,
+  };
   return type;
 }
 

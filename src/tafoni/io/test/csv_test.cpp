@@ -29,12 +29,12 @@ TEST(PrimitivesCsv, ReadsRowsInAnyColumnOrder) {
       "1e1,\"Sphere\",1,2,3,0.5",
       "p.csv");
   ASSERT_EQ(p.size(), 2u);
-  EXPECT_EQ(p[0].kind->name, "point");
+  EXPECT_EQ(p[0].kind->about.name, "point");
   EXPECT_EQ(p[0].position, (Vec3d{500000.125, 5500000.0625, 12}));
   EXPECT_EQ(p[0].energy, -7.5f);
   EXPECT_EQ(p[0].shape, std::vector<float>{5.0f});
   EXPECT_EQ(p[0].line, 4u);
-  EXPECT_EQ(p[1].kind->name, "sphere");
+  EXPECT_EQ(p[1].kind->about.name, "sphere");
   EXPECT_EQ(p[1].energy, 10.0f);
   EXPECT_EQ(p[1].line, 6u);
   EXPECT_TRUE(parse_primitives_csv("kind,x,y,z,radius,energy\n", "p").empty());
@@ -84,9 +84,9 @@ TEST(PrimitivesCsv, KnowsEveryKindByItsOwnParameters) {
   // One row a kind, with a number of its own in every parameter, and one with the defaults.
   for (const field::PrimitiveType* type : field::all_primitives()) {
     if (type->variable) continue;
-    std::string header = "kind,x,y,z,energy", row = type->name + ",1,2,3,-4";
+    std::string header = "kind,x,y,z,energy", row = type->about.name + ",1,2,3,-4";
     std::vector<float> shape, defaults;
-    for (const ParamInfo& info : type->params) {
+    for (const ParamInfo& info : type->about.params) {
       shape.push_back(static_cast<float>(1 + shape.size()));
       defaults.push_back(static_cast<float>(std::get<double>(info.init)));
       header += "," + info.name;
@@ -95,9 +95,9 @@ TEST(PrimitivesCsv, KnowsEveryKindByItsOwnParameters) {
     const auto given = parse_primitives_csv(header + "\n" + row, "p");
     ASSERT_EQ(given.size(), 1u);
     EXPECT_EQ(given[0].kind, type);
-    EXPECT_EQ(given[0].shape, shape) << type->name;
-    const auto plain = parse_primitives_csv("kind,x,y,z,energy\n" + type->name + ",1,2,3,-4", "p");
-    EXPECT_EQ(plain.at(0).shape, defaults) << type->name;
+    EXPECT_EQ(given[0].shape, shape) << type->about.name;
+    const auto plain = parse_primitives_csv("kind,x,y,z,energy\n" + type->about.name + ",1,2,3,-4", "p");
+    EXPECT_EQ(plain.at(0).shape, defaults) << type->about.name;
   }
 }
 
@@ -113,7 +113,7 @@ TEST(PrimitivesCsv, ReadsCurvesAsRowsOfOneId) {
   EXPECT_EQ(p[0].shape, std::vector<float>{6});
   EXPECT_EQ(p[0].line, 2u);
   EXPECT_EQ(p[1].further.size(), 1u);
-  EXPECT_EQ(p[2].kind->name, "point");
+  EXPECT_EQ(p[2].kind->about.name, "point");
 }
 
 TEST(PointsCsv, HeaderChoosesColumnsAndIsOptional) {

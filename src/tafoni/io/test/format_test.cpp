@@ -93,7 +93,7 @@ std::vector<const FormatType*> writable() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, EveryMeshFormat, testing::ValuesIn(writable()),
-                         [](const auto& instance) { return instance.param->name; });
+                         [](const auto& instance) { return instance.param->about.name; });
 
 TEST_P(EveryMeshFormat, RoundTripKeepsGeometryToTheBit) {
   const mesh::Mesh mesh = bumpy_sphere();
@@ -108,11 +108,11 @@ TEST_P(EveryMeshFormat, RoundTripKeepsGeometryToTheBit) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k)
       ASSERT_EQ(back.positions[back.triangles[t][k]], mesh.positions[mesh.triangles[t][k]]);
-  if (GetParam()->name == "stl") return;
+  if (GetParam()->about.name == "stl") return;
   EXPECT_EQ(back.normals, mesh.normals);
   ASSERT_EQ(back.colors.size(), mesh.colors.size());
   // Only PLY rounds colours, to 8-bit sRGB; the curve's slope at white makes that at most 1.2 linear steps.
-  const int tolerance = GetParam()->name == "ply" ? 2 : 0;
+  const int tolerance = GetParam()->about.name == "ply" ? 2 : 0;
   for (std::size_t i = 0; i < mesh.colors.size(); ++i)
     for (std::size_t k = 0; k < 4; ++k) ASSERT_NEAR(back.colors[i][k], mesh.colors[i][k], tolerance) << i;
 }
@@ -145,7 +145,7 @@ TEST_P(EveryMeshFormat, TruncatedAnywhereIsRefusedOrReadsLess) {
     }
   }
   // OBJ has no count, so a shorter file can be whole; the binary formats always know.
-  EXPECT_GE(refused, GetParam()->name == "obj" ? 1 : static_cast<int>(bytes.size()) - 1);
+  EXPECT_GE(refused, GetParam()->about.name == "obj" ? 1 : static_cast<int>(bytes.size()) - 1);
 }
 
 TEST_P(EveryMeshFormat, MutatedBytesNeverCrash) {
@@ -197,13 +197,13 @@ TEST_P(EveryMeshFormat, CancelledWritingLeavesNothing) {
 TEST(Format, DeclaresItself) {
   std::vector<std::string> seen;
   for (const FormatType* format : all_formats()) {
-    EXPECT_FALSE(format->doc.empty());
-    EXPECT_FALSE(format->source.empty());
+    EXPECT_FALSE(format->about.doc.empty());
+    EXPECT_FALSE(format->about.source.empty());
     for (const std::string& extension : format->extensions) {
       EXPECT_THAT(seen, testing::Not(testing::Contains(extension)));
       seen.push_back(extension);
     }
-    EXPECT_EQ(&find_format(format->name), format);
+    EXPECT_EQ(&find_format(format->about.name), format);
   }
   EXPECT_THAT(error_of([] { find_format("pyl"); }, ErrorKind::usage), HasSubstr("'ply'"));
 }
@@ -213,7 +213,7 @@ TEST(Format, UnknownExtensionListsTheKnownOnes) {
   EXPECT_THAT(text, HasSubstr(".glb"));
   EXPECT_THAT(text, HasSubstr(".stl"));
   EXPECT_THAT(text, testing::Not(HasSubstr(".off")));  // read only
-  EXPECT_EQ(format_of("A.GLB", Ability::read_mesh).name, "glb");
+  EXPECT_EQ(format_of("A.GLB", Ability::read_mesh).about.name, "glb");
   EXPECT_THAT(error_of([] { format_of("noext", Ability::write_image); }, ErrorKind::usage),
               HasSubstr("no extension"));
 }
@@ -288,18 +288,18 @@ TEST(Formats, KeepTextureCoordinatesAndSharedVertices) {
       write_mesh(path, *mesh);
       const mesh::Mesh back = read_mesh(path);
       if (!format->texture) {
-        EXPECT_TRUE(back.texture.empty()) << format->name;
+        EXPECT_TRUE(back.texture.empty()) << format->about.name;
         continue;
       }
-      EXPECT_EQ(back.positions, mesh->positions) << format->name;
-      EXPECT_EQ(back.triangles, mesh->triangles) << format->name;
-      EXPECT_EQ(back.normals.size(), mesh->normals.size()) << format->name;
-      EXPECT_EQ(back.colors, mesh->colors) << format->name;
-      ASSERT_EQ(back.texture.size(), mesh->texture.size()) << format->name;
+      EXPECT_EQ(back.positions, mesh->positions) << format->about.name;
+      EXPECT_EQ(back.triangles, mesh->triangles) << format->about.name;
+      EXPECT_EQ(back.normals.size(), mesh->normals.size()) << format->about.name;
+      EXPECT_EQ(back.colors, mesh->colors) << format->about.name;
+      ASSERT_EQ(back.texture.size(), mesh->texture.size()) << format->about.name;
       for (std::size_t t = 0; t < back.texture.size(); ++t)
         for (std::size_t c = 0; c < 3; ++c) {
-          ASSERT_EQ(back.texture[t][c].x, mesh->texture[t][c].x) << format->name;
-          ASSERT_NEAR(back.texture[t][c].y, mesh->texture[t][c].y, 1e-6) << format->name;
+          ASSERT_EQ(back.texture[t][c].x, mesh->texture[t][c].x) << format->about.name;
+          ASSERT_NEAR(back.texture[t][c].y, mesh->texture[t][c].y, 1e-6) << format->about.name;
         }
     }
   }

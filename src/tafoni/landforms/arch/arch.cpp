@@ -420,9 +420,13 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 const LandformType& landform_arch() {
   static const LandformType type{
-      "arch",
-      "Arches through fins, ridges and cliff rims, natural bridges across canyons and between given points",
-      "[Paris19 §5.2, §6.1, figs. 8, 23]", table().infos(), &generate};
+      .about = {.name = "arch",
+                .doc = "Arches through fins, ridges and cliff rims, natural bridges across canyons and "
+                       "between given points",
+                .source = "[Paris19 §5.2, §6.1, figs. 8, 23]",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

@@ -290,8 +290,12 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 const LandformType& landform_canyon() {
   static const LandformType type{
-      "canyon", "Walls that rivers undercut, most at outer bends and in soft beds, and slot canyons",
-      "[Paris19 §6.1]", table().infos(), &generate};
+      .about = {.name = "canyon",
+                .doc = "Walls that rivers undercut, most at outer bends and in soft beds, and slot canyons",
+                .source = "[Paris19 §6.1]",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

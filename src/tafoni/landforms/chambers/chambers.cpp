@@ -116,9 +116,13 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 const LandformType& landform_chambers() {
   static const LandformType type{
-      "chambers",
-      "Underground rooms from few chosen values: storage room, queen's chamber, or one's own lattice",
-      "Ju, Iles and Zhang 2001 (Hive Assault), section 4", table().infos(), &generate};
+      .about = {.name = "chambers",
+                .doc = "Underground rooms from few chosen values: storage room, queen's chamber, or one's "
+                       "own lattice",
+                .source = "Ju, Iles and Zhang 2001 (Hive Assault), section 4",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

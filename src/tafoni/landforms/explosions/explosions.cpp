@@ -179,8 +179,12 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 const LandformType& landform_explosions() {
   static const LandformType type{
-      "explosions", "Craters of explosions, at given places or at random ones, with what they threw out",
-      "Ruths 2001 (Hive Assault: Destroyable Geometry)", table().infos(), &generate};
+      .about = {.name = "explosions",
+                .doc = "Craters of explosions, at given places or at random ones, with what they threw out",
+                .source = "Ruths 2001 (Hive Assault: Destroyable Geometry)",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

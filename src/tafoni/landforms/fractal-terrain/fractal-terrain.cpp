@@ -83,12 +83,15 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 }  // namespace
 
 const LandformType& landform_fractal_terrain() {
-  static const LandformType type{"fractal-terrain",
-                                 "The terrain as a volume by 3D midpoint subdivision: crags, caves, bridges "
-                                 "and closets by the scale of its "
-                                 "noise",
-                                 "Ju, Iles and Zhang 2001 (Hive Assault), section 2", table().infos(),
-                                 &generate};
+  static const LandformType type{
+      .about = {.name = "fractal-terrain",
+                .doc = "The terrain as a volume by 3D midpoint subdivision: crags, caves, bridges "
+                       "and closets by the scale of its "
+                       "noise",
+                .source = "Ju, Iles and Zhang 2001 (Hive Assault), section 2",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

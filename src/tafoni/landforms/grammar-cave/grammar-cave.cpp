@@ -492,8 +492,13 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 const LandformType& landform_grammar_cave() {
   static const LandformType type{
-      "grammar-cave", "Caves of a shape grammar with morphing: solids joined, cut and morphed by productions",
-      "Zawadzki et al., Hybrid of Shape Grammar and Morphing [Zawadzki]", table().infos(), &generate};
+      .about = {.name = "grammar-cave",
+                .doc =
+                    "Caves of a shape grammar with morphing: solids joined, cut and morphed by productions",
+                .source = "Zawadzki et al., Hybrid of Shape Grammar and Morphing [Zawadzki]",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

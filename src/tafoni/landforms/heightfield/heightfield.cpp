@@ -129,9 +129,14 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 const LandformType& landform_heightfield() {
   static const LandformType type{
-      "heightfield",
-      "Another elevation model in the same scene, upright or inverted, within the region's outline",
-      "[Paris19 §2, §5.1]", table().infos(), &generate};
+      .about =
+          {.name = "heightfield",
+           .doc =
+               "Another elevation model in the same scene, upright or inverted, within the region's outline",
+           .source = "[Paris19 §2, §5.1]",
+           .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

@@ -375,9 +375,13 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 const LandformType& landform_hive() {
   static const LandformType type{
-      "hive",
-      "Rough ground with entrances on its hillsides, fractal tunnels and chambers, all joined and walkable",
-      "Ju, Iles and Zhang 2001 (Hive Assault)", table().infos(), &generate};
+      .about = {.name = "hive",
+                .doc = "Rough ground with entrances on its hillsides, fractal tunnels and chambers, all "
+                       "joined and walkable",
+                .source = "Ju, Iles and Zhang 2001 (Hive Assault)",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

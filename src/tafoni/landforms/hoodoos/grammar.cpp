@@ -88,15 +88,16 @@ Grammar::Term Grammar::term(Scanner& text) const {
     std::vector<std::string> known = symbols();
     for (const field::PrimitiveType* kind : field::all_primitives()) {
       if (kind->variable) continue;
-      known.push_back(kind->name);
-      if (kind->name == name) term.kind = kind;
+      known.push_back(kind->about.name);
+      if (kind->about.name == name) term.kind = kind;
     }
     if (!term.kind) {
       const std::string near = nearest(name, known);
       text.error(term.column, fmt::format("\"{}\" is neither a symbol nor a primitive{}", name,
                                           near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
     }
-    for (const ParamInfo& info : term.kind->params) term.sizes.emplace_back(std::get<double>(info.init));
+    for (const ParamInfo& info : term.kind->about.params)
+      term.sizes.emplace_back(std::get<double>(info.init));
   }
   if (!text.take("(")) return term;
   if (text.take(")")) return term;
@@ -108,7 +109,7 @@ Grammar::Term Grammar::term(Scanner& text) const {
       std::vector<std::string> known = {"x", "y", "z", "turn", "repeat"};
       if (term.kind) {
         known.emplace_back("energy");
-        for (const ParamInfo& info : term.kind->params) known.push_back(info.name);
+        for (const ParamInfo& info : term.kind->about.params) known.push_back(info.name);
       } else {
         known.insert(known.end(), std::begin(inherited), std::end(inherited));
       }
@@ -131,8 +132,8 @@ Expression* Grammar::argument(Term& term, std::string_view name) const {
   if (name == "turn") return &term.turn;
   if (term.kind) {
     if (name == "energy") return &term.energy;
-    for (std::size_t k = 0; k < term.kind->params.size(); ++k)
-      if (term.kind->params[k].name == name) return &term.sizes[k];
+    for (std::size_t k = 0; k < term.kind->about.params.size(); ++k)
+      if (term.kind->about.params[k].name == name) return &term.sizes[k];
   } else {
     for (std::size_t k = 0; k < std::size(inherited); ++k)
       if (inherited[k] == name) return &term.sizes[k];
@@ -230,7 +231,7 @@ class Growth {
 
   void terminal(Vec3d position, double turn, const Grammar::Rule& rule, const Grammar::Term& term) {
     Terminal t{term.kind, position, finite(rule, term, "energy", run(term.energy)), {}};
-    const auto& params = term.kind->params;
+    const auto& params = term.kind->about.params;
     std::array<double, Terminal::most> sizes{};
     std::size_t east = params.size(), north = params.size();
     for (std::size_t k = 0; k < params.size(); ++k) {

@@ -233,10 +233,11 @@ class Hoodoos {
     double highest = 0;
     for (std::size_t k = 0; k < grown.size(); ++k)
       for (const Terminal& t : grown[k]) {
-        auto found = clouds.find(t.kind->name);
-        if (found == clouds.end()) found = clouds.emplace(t.kind->name, cloud(t.kind->name)).first;
+        auto found = clouds.find(t.kind->about.name);
+        if (found == clouds.end())
+          found = clouds.emplace(t.kind->about.name, cloud(t.kind->about.name)).first;
         std::vector<float> shape(t.shape.begin(),
-                                 t.shape.begin() + static_cast<std::ptrdiff_t>(t.kind->params.size()));
+                                 t.shape.begin() + static_cast<std::ptrdiff_t>(t.kind->about.params.size()));
         shape[0] = std::max(shape[0], static_cast<float>(1.05 * roughness_));
         found->second.add(t.position, static_cast<float>(2 * ground_.site().amplitude * t.energy), shape);
         highest = std::max(highest, t.position.z - feet[k].z);
@@ -299,8 +300,12 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 const LandformType& landform_hoodoos() {
   static const LandformType type{
-      "hoodoos", "Pillars of bedded rock with necks where it is soft and caps where it is hard",
-      "[Paris19 §6.3]", table().infos(), &generate};
+      .about = {.name = "hoodoos",
+                .doc = "Pillars of bedded rock with necks where it is soft and caps where it is hard",
+                .source = "[Paris19 §6.3]",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

@@ -367,8 +367,12 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 const LandformType& landform_islands() {
   static const LandformType type{
-      "islands", "Floating islands: each the rock between a piece of terrain and an inverted one",
-      "[Paris19 §5.1, fig. 20]", table().infos(), &generate};
+      .about = {.name = "islands",
+                .doc = "Floating islands: each the rock between a piece of terrain and an inverted one",
+                .source = "[Paris19 §5.1, fig. 20]",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

@@ -308,8 +308,12 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 const LandformType& landform_karst() {
   static const LandformType type{
-      "karst", "Caves that water opens through soft rock, with sinkholes above and exits in cliffs",
-      "[Paris19 §6.2]", table().infos(), &generate};
+      .about = {.name = "karst",
+                .doc = "Caves that water opens through soft rock, with sinkholes above and exits in cliffs",
+                .source = "[Paris19 §6.2]",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

@@ -127,9 +127,14 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 const LandformType& landform_overhang() {
   static const LandformType type{
-      "overhang",
-      "Faces that bulge and lean out over their feet, by moving space sideways at changing heights",
-      "[Paris19 §5.3], after Gamito and Musgrave 2001", table().infos(), &generate};
+      .about =
+          {.name = "overhang",
+           .doc =
+               "Faces that bulge and lean out over their feet, by moving space sideways at changing heights",
+           .source = "[Paris19 §5.3], after Gamito and Musgrave 2001",
+           .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

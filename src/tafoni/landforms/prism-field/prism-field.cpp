@@ -384,8 +384,12 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 const LandformType& landform_prism_field() {
   static const LandformType type{
-      "prism-field", "Ground as layers of columns, dug and built with spheres, capsules, boxes and hulls",
-      "Boggus and Crawfis [Boggus], section 3 and figures 7 and 8", table().infos(), &generate};
+      .about = {.name = "prism-field",
+                .doc = "Ground as layers of columns, dug and built with spheres, capsules, boxes and hulls",
+                .source = "Boggus and Crawfis [Boggus], section 3 and figures 7 and 8",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

@@ -461,8 +461,12 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 const LandformType& landform_sea_cliff() {
   static const LandformType type{
-      "sea-cliff", "Wave-cut notches, overhanging cliffs, sea caves and arches about the sea level",
-      "[Paris19 §6.1]", table().infos(), &generate};
+      .about = {.name = "sea-cliff",
+                .doc = "Wave-cut notches, overhanging cliffs, sea caves and arches about the sea level",
+                .source = "[Paris19 §6.1]",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

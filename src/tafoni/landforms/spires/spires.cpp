@@ -207,9 +207,13 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 }  // namespace
 
 const LandformType& landform_spires() {
-  static const LandformType type{"spires",
-                                 "Tall towers of bedded rock that stand between joints, singly and in groves",
-                                 "[Paris19 figs. 1, 20]", table().infos(), &generate};
+  static const LandformType type{
+      .about = {.name = "spires",
+                .doc = "Tall towers of bedded rock that stand between joints, singly and in groves",
+                .source = "[Paris19 figs. 1, 20]",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

@@ -268,9 +268,12 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 const LandformType& landform_stratified_cliff() {
   static const LandformType type{
-      "stratified-cliff",
-      "Faces whose soft beds recede between hard ones that overhang, without any primitive",
-      "[Paris19 §5.3]", table().infos(), &generate};
+      .about = {.name = "stratified-cliff",
+                .doc = "Faces whose soft beds recede between hard ones that overhang, without any primitive",
+                .source = "[Paris19 §5.3]",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

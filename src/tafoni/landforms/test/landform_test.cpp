@@ -34,14 +34,15 @@ class EveryLandform : public testing::TestWithParam<const LandformType*> {
 
 TEST_P(EveryLandform, IsDocumented) {
   const LandformType& type = *GetParam();
-  EXPECT_FALSE(type.doc.empty());
-  EXPECT_FALSE(type.source.empty());
+  EXPECT_FALSE(type.about.doc.empty());
+  EXPECT_FALSE(type.about.source.empty());
   ASSERT_TRUE(type.generate);
-  EXPECT_EQ(&find_landform(type.name), &type);
-  for (const ParamInfo& info : type.params) {
+  EXPECT_EQ(&find_landform(type.about.name), &type);
+  for (const ParamInfo& info : type.about.params) {
     EXPECT_FALSE(info.doc.empty()) << info.name;
     EXPECT_NE(info.doc.back(), '.') << info.name;
-    EXPECT_NO_THROW(checked(info, info.init, type.name)) << info.name << " has a default out of its range";
+    EXPECT_NO_THROW(checked(info, info.init, type.about.name))
+        << info.name << " has a default out of its range";
     if (info.kind == ValueKind::real || info.kind == ValueKind::integer) {
       EXPECT_LT(info.min, info.max) << info.name;
     }
@@ -158,7 +159,7 @@ TEST_P(EveryLandform, WorksWithoutGeology) {
 INSTANTIATE_TEST_SUITE_P(Registry, EveryLandform,
                          testing::ValuesIn(all_landforms().begin(), all_landforms().end()),
                          [](const auto& test_case) {
-                           std::string name = test_case.param->name;
+                           std::string name = test_case.param->about.name;
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });

@@ -149,8 +149,12 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 const LandformType& landform_tunnels() {
   static const LandformType type{
-      "tunnels", "Fractal tunnels that wind and swell, through hills or between given ends",
-      "Ju, Iles and Zhang 2001 (Hive Assault), section 3", table().infos(), &generate};
+      .about = {.name = "tunnels",
+                .doc = "Fractal tunnels that wind and swell, through hills or between given ends",
+                .source = "Ju, Iles and Zhang 2001 (Hive Assault), section 3",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

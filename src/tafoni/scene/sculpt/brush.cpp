@@ -8,21 +8,11 @@
 namespace tafoni::scene {
 
 const BrushType& find_brush(std::string_view name) {
-  std::vector<std::string> known;
-  std::string list;
-  for (const BrushType* type : all_brushes()) {
-    if (type->name == name) return *type;
-    known.push_back(type->name);
-    list += (list.empty() ? "" : ", ") + type->name;
-  }
-  name = name.substr(0, 60);
-  const std::string near = nearest(name, known);
-  fail(ErrorKind::usage, "there is no brush \"{}\"; {}", name,
-       near.empty() ? "known are " + list : fmt::format("did you mean \"{}\"?", near));
+  return find(all_brushes(), name, "brush");
 }
 
 std::vector<ParamInfo> params_of_brush(const BrushType& brush, const Values& values) {
-  std::vector<ParamInfo> out = brush.params;
+  std::vector<ParamInfo> out = brush.about.params;
   if (!brush.more) return out;
   for (ParamInfo& info : brush.more(values)) out.push_back(std::move(info));
   return out;

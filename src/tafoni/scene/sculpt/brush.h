@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tafoni/core/params.h"
+#include "tafoni/core/registry.h"
 #include "tafoni/math/vec.h"
 #include "tafoni/scene/sculpt/stroke.h"
 
@@ -36,8 +36,7 @@ struct Painting {
 };
 
 struct BrushType {
-  std::string name, doc, source;
-  std::vector<ParamInfo> params;
+  Declaration about = {};
   std::size_t min_points = 1, max_points = 100000;
   /// The stroke is checked and its points are local. `seed` decides what is random. Null for one that paints.
   void (*apply)(const Stroke& stroke, std::uint64_t seed, Dab& dab) = nullptr;

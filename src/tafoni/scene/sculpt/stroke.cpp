@@ -95,7 +95,7 @@ void check(const Stroke& stroke, const BrushType& brush, std::string_view where)
                                : n < brush.min_points ? fmt::format("at least {}", brush.min_points)
                                                       : fmt::format("at most {}", brush.max_points);
     fail(ErrorKind::usage, "{}: the brush {} takes {} point{}, not {}; give them as at=X,Y,Z/X,Y,Z", where,
-         brush.name, wanted, wanted.ends_with(" 1") || wanted == "1" ? "" : "s", n);
+         brush.about.name, wanted, wanted.ends_with(" 1") || wanted == "1" ? "" : "s", n);
   }
   params_of_brush(brush, stroke.values);  // throws where what they depend on is unknown
   for (const auto& [name, value] : stroke.values)
@@ -156,7 +156,7 @@ Stroke json_stroke(const Json& object, std::string_view where) {
   // What decides which other parameters there are comes first.
   for (const bool first : {true, false})
     for (const auto& [key, value] : object.items()) {
-      const bool declared = std::any_of(brush.params.begin(), brush.params.end(),
+      const bool declared = std::any_of(brush.about.params.begin(), brush.about.params.end(),
                                         [k = key](const ParamInfo& i) { return i.name == k; });
       if (key == "brush" || declared != first) continue;
       if (key == "at") {

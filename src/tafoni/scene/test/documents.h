@@ -110,10 +110,10 @@ struct TableScene {
 inline std::vector<TableScene> table_scenes() {
   std::vector<TableScene> out;
   for (const auto* type : landforms::all_landforms())
-    for (const ParamInfo& info : type->params)
+    for (const ParamInfo& info : type->about.params)
       if (!info.columns.empty()) {
         const ParamInfo& column = info.columns.front();
-        TableScene scene{type->name, info.name, column.name, "", {}};
+        TableScene scene{type->about.name, info.name, column.name, "", {}};
         for (std::size_t n = 0; n < 4; ++n) scene.cell[n] = cell_text(column, n);
         const std::string second = column.kind == ValueKind::real      ? scene.cell[1]
                                    : column.kind == ValueKind::numbers ? "[" + scene.cell[1] + "]"
@@ -123,7 +123,7 @@ inline std::vector<TableScene> table_scenes() {
             "[terrain]\nsource = \"a.tif\"\n\n[[layer]]\ntype = \"karst\"\n\n"
             "[[layer]]\ntype = \"{}\"\n\n# One.\n{}\"{}\"  # kept\n\n# Two.\n{}{}\n\n"
             "# Last.\n[[layer]]\ntype = \"sea-cliff\"\n",
-            type->name, row, scene.cell[0], row, second);
+            type->about.name, row, scene.cell[0], row, second);
         out.push_back(scene);
       }
   return out;

@@ -277,9 +277,12 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 
 const GeneratorType& generator_badlands() {
   static const GeneratorType type{
-      "badlands", "An amphitheatre of fins, gullies and ledges below the rim of a plateau",
-      "stream power incision (Braun & Willett 2013) of a bowl, with hard and soft beds", table().infos(),
-      &generate};
+      .about = {.name = "badlands",
+                .doc = "An amphitheatre of fins, gullies and ledges below the rim of a plateau",
+                .source = "stream power incision (Braun & Willett 2013) of a bowl, with hard and soft beds",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

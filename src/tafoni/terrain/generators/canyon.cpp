@@ -180,9 +180,13 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 }  // namespace
 
 const GeneratorType& generator_canyon() {
-  static const GeneratorType type{"canyon", "A mesa cut by a winding river with side canyons, as at Zion",
-                                  "a composition of sine-generated rivers and bedded faces", table().infos(),
-                                  &generate};
+  static const GeneratorType type{
+      .about = {.name = "canyon",
+                .doc = "A mesa cut by a winding river with side canyons, as at Zion",
+                .source = "a composition of sine-generated rivers and bedded faces",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

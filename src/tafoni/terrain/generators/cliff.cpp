@@ -93,8 +93,13 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 }  // namespace
 
 const GeneratorType& generator_cliff() {
-  static const GeneratorType type{"cliff", "A plateau, one cliff and a shelf: a block to show rock on",
-                                  "[Paris19 fig. 4]", table().infos(), &generate};
+  static const GeneratorType type{
+      .about = {.name = "cliff",
+                .doc = "A plateau, one cliff and a shelf: a block to show rock on",
+                .source = "[Paris19 fig. 4]",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

@@ -421,9 +421,13 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 }  // namespace
 
 const GeneratorType& generator_coast() {
-  static const GeneratorType type{"coast", "A rugged coast: cliffs, bays, stacks and a plateau with dolines",
-                                  "a composition of fractal noise and distances to the shoreline",
-                                  table().infos(), &generate};
+  static const GeneratorType type{
+      .about = {.name = "coast",
+                .doc = "A rugged coast: cliffs, bays, stacks and a plateau with dolines",
+                .source = "a composition of fractal noise and distances to the shoreline",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

@@ -114,9 +114,13 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 }  // namespace
 
 const GeneratorType& generator_headland() {
-  static const GeneratorType type{"headland",
-                                  "A headland of bedded limestone with upright cliffs between two coves",
-                                  "the setting of [Paris19 fig. 25]", table().infos(), &generate};
+  static const GeneratorType type{
+      .about = {.name = "headland",
+                .doc = "A headland of bedded limestone with upright cliffs between two coves",
+                .source = "the setting of [Paris19 fig. 25]",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

@@ -42,8 +42,13 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 }  // namespace
 
 const GeneratorType& generator_plane() {
-  static const GeneratorType type{"plane", "Level ground: to put volumes and solids on, or in their place",
-                                  "", table().infos(), &generate};
+  static const GeneratorType type{
+      .about = {.name = "plane",
+                .doc = "Level ground: to put volumes and solids on, or in their place",
+                .source = "",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

@@ -213,8 +213,12 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 
 const GeneratorType& generator_plateau() {
   static const GeneratorType type{
-      "plateau", "Karst country: a plateau with dolines above a valley and a long cliff",
-      "a composition of sine-generated rivers, bedded faces and closed hollows", table().infos(), &generate};
+      .about = {.name = "plateau",
+                .doc = "Karst country: a plateau with dolines above a valley and a long cliff",
+                .source = "a composition of sine-generated rivers, bedded faces and closed hollows",
+                .params = table().infos()},
+      .generate = &generate,
+  };
   return type;
 }
 

@@ -21,15 +21,15 @@ class EveryGenerator : public testing::TestWithParam<const GeneratorType*> {};
 
 TEST_P(EveryGenerator, IsDeclaredInFull) {
   const GeneratorType& type = *GetParam();
-  EXPECT_EQ(&find_generator(type.name), &type);
-  EXPECT_FALSE(type.doc.empty());
-  ASSERT_GE(type.params.size(), 3u);
-  EXPECT_EQ(type.params[0].name, "width");
-  EXPECT_EQ(type.params[1].name, "height");
-  EXPECT_EQ(type.params[2].name, "pixel");
-  for (const ParamInfo& info : type.params) {
+  EXPECT_EQ(&find_generator(type.about.name), &type);
+  EXPECT_FALSE(type.about.doc.empty());
+  ASSERT_GE(type.about.params.size(), 3u);
+  EXPECT_EQ(type.about.params[0].name, "width");
+  EXPECT_EQ(type.about.params[1].name, "height");
+  EXPECT_EQ(type.about.params[2].name, "pixel");
+  for (const ParamInfo& info : type.about.params) {
     EXPECT_FALSE(info.doc.empty()) << info.name;
-    EXPECT_EQ(checked(info, info.init, type.name), info.init) << info.name;
+    EXPECT_EQ(checked(info, info.init, type.about.name), info.init) << info.name;
   }
 }
 
@@ -54,7 +54,7 @@ TEST_P(EveryGenerator, DependsOnTheSeedButNotOnThreads) {
 }
 
 TEST_P(EveryGenerator, IsFiniteAtTheEndsOfEveryRange) {
-  for (const ParamInfo& info : GetParam()->params) {
+  for (const ParamInfo& info : GetParam()->about.params) {
     if (info.kind != ValueKind::real || info.name == "pixel") continue;
     for (double end : {info.min, info.max}) {
       Values values = small;
@@ -81,7 +81,7 @@ TEST_P(EveryGenerator, CanBeCancelled) {
 
 INSTANTIATE_TEST_SUITE_P(Registry, EveryGenerator,
                          testing::ValuesIn(all_generators().begin(), all_generators().end()),
-                         [](const auto& tested) { return tested.param->name; });
+                         [](const auto& tested) { return tested.param->about.name; });
 
 TEST(Generator, UnknownNameGetsTheNearest) {
   const auto error_of = [](std::string_view name) -> std::string {

@@ -149,7 +149,7 @@ TEST(GrammarCave, RulesMakeTheCave) {
   const Hill hill;
   Rows rules = {{{"symbol", "Hall"}, {"shape", "ellipsoid"}, {"size", "1.2 1 0.8"}, {"next", "Hall"}}};
   ParamInfo info;
-  for (const ParamInfo& param : find_landform("grammar-cave").params)
+  for (const ParamInfo& param : find_landform("grammar-cave").about.params)
     if (param.name == "rule") info = param;
   const Value checked_rules = checked(info, rules, "test");
   const Result result = hill.run({{"rule", checked_rules}, {"classic", std::int64_t{4}}});

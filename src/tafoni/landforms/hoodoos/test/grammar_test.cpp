@@ -57,7 +57,7 @@ TEST(Grammar, ScalesAndMovesSymbols) {
   for (const Terminal& t : out) {
     EXPECT_NEAR(t.position.z, z, 1e-12);
     EXPECT_FLOAT_EQ(t.shape[0], static_cast<float>(s));
-    EXPECT_EQ(t.kind->name, "sphere");
+    EXPECT_EQ(t.kind->about.name, "sphere");
     z += s;
     s *= 0.5;
   }

@@ -49,7 +49,7 @@ TEST(PrismField, RowsDigAndBuildInOrder) {
        {"mode", "add"},
        {"points", "500018 4000000 40, 500022 4000000 40, 500020 4000004 40, 500020 4000002 44"}}};
   Values values{{"count", std::int64_t{0}}, {"spacing", 0.5}};
-  const auto& infos = find_landform("prism-field").params;
+  const auto& infos = find_landform("prism-field").about.params;
   values["tool"] = checked(find_param(infos, "tool", "prism-field"), Value(rows), "prism-field");
   const Result result = dug(coast.site, values);
   EXPECT_EQ(test::fact<std::int64_t>(result, "tools"), 4);
@@ -138,7 +138,7 @@ TEST(PrismField, FacesLieOffTheLattice) {
 TEST(PrismField, BadRowsGetOneSentence) {
   const test::Coast coast;
   const auto error = [&](Row row) -> std::string {
-    const auto& infos = find_landform("prism-field").params;
+    const auto& infos = find_landform("prism-field").about.params;
     Values values{{"count", std::int64_t{0}}};
     try {
       values["tool"] =

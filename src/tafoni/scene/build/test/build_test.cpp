@@ -114,10 +114,10 @@ TEST_F(BuildScene, EveryKindOfPrimitiveStandsWhereItsRowSays) {
   double x = 20;
   std::vector<Vec3d> inside;
   for (const field::PrimitiveType* type : field::all_primitives()) {
-    csv += fmt::format("a,{},{},60,20,-3,1\n", type->name, x);
-    if (type->variable) csv += fmt::format("a,{},{},80,20,-3,\n", type->name, x);
+    csv += fmt::format("a,{},{},60,20,-3,1\n", type->about.name, x);
+    if (type->variable) csv += fmt::format("a,{},{},80,20,-3,\n", type->about.name, x);
     // A torus is hollow in the middle: its tube runs 10 m off.
-    inside.push_back({x, type->name == "torus" ? 70.0 : 60.0, 20});
+    inside.push_back({x, type->about.name == "torus" ? 70.0 : 60.0, 20});
     x += 60;
   }
   write("k.csv", csv);

@@ -32,8 +32,8 @@ const std::vector<ParamInfo>& params_of_layer(std::string_view type) {
   std::vector<std::string> known = {std::string(primitives_layer), std::string(sculpt_layer),
                                     std::string(volume_layer)};
   for (const landforms::LandformType* landform : landforms::all_landforms()) {
-    if (landform->name == type) return landform->params;
-    known.push_back(landform->name);
+    if (landform->about.name == type) return landform->about.params;
+    known.push_back(landform->about.name);
   }
   std::string list;
   for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
@@ -45,11 +45,11 @@ const std::vector<ParamInfo>& params_of_layer(std::string_view type) {
 namespace impl {
 
 const std::vector<ParamInfo>& params_of_generator(std::string_view name) {
-  return terrain::find_generator(name).params;
+  return terrain::find_generator(name).about.params;
 }
 
 const std::vector<ParamInfo>& params_of_geology(std::string_view type) {
-  return geology::find_geology(type).params;
+  return geology::find_geology(type).about.params;
 }
 
 std::vector<ParamInfo> joined(std::span<const ParamInfo> common, std::span<const ParamInfo> own) {

@@ -15,16 +15,17 @@ using ::testing::HasSubstr;
 
 TEST(ParseScene, NoParameterOfALayerHidesACommonOne) {
   for (const auto* landform : landforms::all_landforms())
-    for (const ParamInfo& own : landform->params) {
-      EXPECT_NE(own.name, "type") << landform->name;
-      for (const ParamInfo& common : layer_params()) EXPECT_NE(own.name, common.name) << landform->name;
+    for (const ParamInfo& own : landform->about.params) {
+      EXPECT_NE(own.name, "type") << landform->about.name;
+      for (const ParamInfo& common : layer_params()) EXPECT_NE(own.name, common.name) << landform->about.name;
     }
 }
 
 TEST(ParseScene, NoParameterOfAGeologyHidesACommonOne) {
   for (const auto* kind : geology::all_geologies())
-    for (const ParamInfo& own : kind->params)
-      for (const char* common : {"type", "of", "name", "seed"}) EXPECT_NE(own.name, common) << kind->name;
+    for (const ParamInfo& own : kind->about.params)
+      for (const char* common : {"type", "of", "name", "seed"})
+        EXPECT_NE(own.name, common) << kind->about.name;
 }
 
 TEST(Nesting, IsSetByNameAndType) {
@@ -90,14 +91,14 @@ TEST(ParseScene, EveryDefaultIsAllowed) {
   all_allowed(scene_params(), "scene");
   all_allowed(terrain_params(), "terrain");
   all_allowed(layer_params(), "layer");
-  for (const auto* type : landforms::all_landforms()) all_allowed(type->params, type->name);
-  for (const auto* type : geology::all_geologies()) all_allowed(type->params, type->name);
+  for (const auto* type : landforms::all_landforms()) all_allowed(type->about.params, type->about.name);
+  for (const auto* type : geology::all_geologies()) all_allowed(type->about.params, type->about.name);
 }
 
 TEST(ParseScene, NoParameterOfAGeneratorHidesAKeyOfTheTerrain) {
   for (const terrain::GeneratorType* type : terrain::all_generators())
-    for (const ParamInfo& own : type->params)
-      for (const ParamInfo& key : terrain_params()) EXPECT_NE(own.name, key.name) << type->name;
+    for (const ParamInfo& own : type->about.params)
+      for (const ParamInfo& key : terrain_params()) EXPECT_NE(own.name, key.name) << type->about.name;
 }
 
 }  // namespace

@@ -32,10 +32,10 @@ std::vector<field::NodePtr> make_primitives(std::string_view text, std::string_v
     for (Vec3d v : p.further) vertices.push_back(v - origin);
     try {
       const field::CloudSettings cloud{
-          p.kind->name,
+          p.kind->about.name,
           settings.falloff > 0 ? settings.falloff : influence,
           {settings.noise, settings.wavelength, static_cast<int>(settings.octaves), seed}};
-      const auto at = clouds.try_emplace(p.kind->name, cloud).first;
+      const auto at = clouds.try_emplace(p.kind->about.name, cloud).first;
       if (p.kind->variable)
         field::add_curve(at->second, vertices, static_cast<double>(p.shape[0]),
                          static_cast<double>(p.energy));

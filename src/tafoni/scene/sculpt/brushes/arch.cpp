@@ -83,10 +83,10 @@ void apply(const Stroke& stroke, std::uint64_t seed, Dab& dab) {
 const BrushType& brush_arch() {
   static const BrushType type = [] {
     BrushType t;
-    t.name = "arch";
-    t.doc = "Between two feet: a rock arch (add), or an arched opening through a wall (carve)";
-    t.source = "[Paris19 §8.2]";
-    t.params = params();
+    t.about.name = "arch";
+    t.about.doc = "Between two feet: a rock arch (add), or an arched opening through a wall (carve)";
+    t.about.source = "[Paris19 §8.2]";
+    t.about.params = params();
     t.min_points = t.max_points = 2;
     t.apply = &apply;
     return t;

@@ -87,10 +87,10 @@ void apply(const Stroke& stroke, std::uint64_t seed, Dab& dab) {
 const BrushType& brush_cave() {
   static const BrushType type = [] {
     BrushType t;
-    t.name = "cave";
-    t.doc = "A passage of irregular width along a curve, with rooms; one point alone is a room";
-    t.source = "[Paris19 §8.2]";
-    t.params = params();
+    t.about.name = "cave";
+    t.about.doc = "A passage of irregular width along a curve, with rooms; one point alone is a room";
+    t.about.source = "[Paris19 §8.2]";
+    t.about.params = params();
     t.max_points = 10000;
     t.apply = &apply;
     return t;

@@ -31,10 +31,10 @@ void apply(const Stroke& stroke, std::uint64_t, Dab& dab) {
 const BrushType& brush_curve() {
   static const BrushType type = [] {
     BrushType t;
-    t.name = "curve";
-    t.doc = "A rough tunnel or ridge along a curve";
-    t.source = "[Paris19 §5.2, §8.2]";
-    t.params = params();
+    t.about.name = "curve";
+    t.about.doc = "A rough tunnel or ridge along a curve";
+    t.about.source = "[Paris19 §5.2, §8.2]";
+    t.about.params = params();
     t.min_points = 2;
     t.max_points = 10000;
     t.apply = &apply;

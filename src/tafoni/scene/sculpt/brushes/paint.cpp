@@ -23,10 +23,10 @@ Painting paint(const Stroke& stroke) {
 const BrushType& brush_paint() {
   static const BrushType type = [] {
     BrushType t;
-    t.name = "paint";
-    t.doc = "Weight along a line, in a mask that layers take as mask = \"paint:NAME\"";
-    t.source = "[Paris19 §8.2]";
-    t.params = params();
+    t.about.name = "paint";
+    t.about.doc = "Weight along a line, in a mask that layers take as mask = \"paint:NAME\"";
+    t.about.source = "[Paris19 §8.2]";
+    t.about.params = params();
     t.max_points = 10000;
     t.paint = &paint;
     return t;

@@ -27,8 +27,8 @@ const field::PrimitiveType& kind_of(const Values& values) {
 /// The kind's own shape, without the radius, which every stroke has.
 std::vector<ParamInfo> more(const Values& values) {
   const field::PrimitiveType& kind = kind_of(values);
-  if (kind.params.empty()) return {};
-  return {kind.params.begin() + 1, kind.params.end()};
+  if (kind.about.params.empty()) return {};
+  return {kind.about.params.begin() + 1, kind.about.params.end()};
 }
 
 void apply(const Stroke& stroke, std::uint64_t, Dab& dab) {
@@ -41,8 +41,8 @@ void apply(const Stroke& stroke, std::uint64_t, Dab& dab) {
       extras.insert(extras.end(), {d.x, d.y, d.z});
     }
     if (extras.empty())
-      fail(ErrorKind::usage, "skeletal: the primitive {} wants at least two points", kind.name);
-    dab.add(kind.name, stroke.points[0], stroke.radius, extras);
+      fail(ErrorKind::usage, "skeletal: the primitive {} wants at least two points", kind.about.name);
+    dab.add(kind.about.name, stroke.points[0], stroke.radius, extras);
     return;
   }
   std::vector<float> extras;
@@ -51,7 +51,7 @@ void apply(const Stroke& stroke, std::uint64_t, Dab& dab) {
     const Value& value = found == stroke.values.end() ? info.init : found->second;
     extras.push_back(static_cast<float>(std::get<double>(value)));
   }
-  for (const Vec3d p : stroke.points) dab.add(kind.name, p, stroke.radius, extras);
+  for (const Vec3d p : stroke.points) dab.add(kind.about.name, p, stroke.radius, extras);
 }
 
 }  // namespace
@@ -59,10 +59,11 @@ void apply(const Stroke& stroke, std::uint64_t, Dab& dab) {
 const BrushType& brush_skeletal() {
   static const BrushType type = [] {
     BrushType t;
-    t.name = "skeletal";
-    t.doc = "One primitive of any registered kind at each point; a chain through the points for a curve";
-    t.source = "[Paris19 §5.2, §8.2]";
-    t.params = params();
+    t.about.name = "skeletal";
+    t.about.doc =
+        "One primitive of any registered kind at each point; a chain through the points for a curve";
+    t.about.source = "[Paris19 §5.2, §8.2]";
+    t.about.params = params();
     t.more = &more;
     t.apply = &apply;
     return t;

@@ -12,9 +12,9 @@ void apply(const Stroke& stroke, std::uint64_t, Dab& dab) {
 const BrushType& brush_sphere() {
   static const BrushType type = [] {
     BrushType t;
-    t.name = "sphere";
-    t.doc = "A rough ball of rock or air at each point";
-    t.source = "[Paris19 §5.2, §8.2]";
+    t.about.name = "sphere";
+    t.about.doc = "A rough ball of rock or air at each point";
+    t.about.source = "[Paris19 §5.2, §8.2]";
     t.apply = &apply;
     return t;
   }();

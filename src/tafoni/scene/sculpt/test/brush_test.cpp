@@ -36,12 +36,12 @@ class EveryBrush : public ::testing::TestWithParam<const BrushType*> {};
 
 TEST_P(EveryBrush, ActsInItsBoxAloneAndTheSameEachTime) {
   const BrushType& brush = *GetParam();
-  EXPECT_FALSE(brush.doc.empty());
-  EXPECT_FALSE(brush.source.empty());
+  EXPECT_FALSE(brush.about.doc.empty());
+  EXPECT_FALSE(brush.about.source.empty());
   ASSERT_NE(brush.apply == nullptr, brush.paint == nullptr);
   if (!brush.apply) return;
   for (const std::string mode : {"carve", "add"}) {
-    std::string line = brush.name + " mode=" + mode + " radius=3 roughness=0.5 at=0,0,0";
+    std::string line = brush.about.name + " mode=" + mode + " radius=3 roughness=0.5 at=0,0,0";
     for (std::size_t i = 1; i < brush.min_points; ++i) line += "/12,3,2";
     const Made made(line), again(line);
     ASSERT_EQ(made.boxes.size(), 1u);
@@ -66,7 +66,7 @@ TEST_P(EveryBrush, ActsInItsBoxAloneAndTheSameEachTime) {
 
 INSTANTIATE_TEST_SUITE_P(Registry, EveryBrush,
                          ::testing::ValuesIn(all_brushes().begin(), all_brushes().end()),
-                         [](const auto& brush) { return brush.param->name; });
+                         [](const auto& brush) { return brush.param->about.name; });
 
 TEST(Brush, AnArchStandsOnItsFeetOverAnOpening) {
   const Made arch("arch mode=add at=-15,0,0/15,0,0 radius=2 height=10", -amplitude);

@@ -30,7 +30,7 @@ Stroke any_stroke(Random& random) {
   const auto brushes = all_brushes();
   const BrushType& brush = *brushes[random.below(brushes.size())];
   Stroke s;
-  s.brush = brush.name;
+  s.brush = brush.about.name;
   const std::size_t most = std::min<std::size_t>(brush.max_points, brush.min_points + 3);
   const std::size_t n = brush.min_points + random.below(most - brush.min_points + 1);
   for (std::size_t i = 0; i < n; ++i)
