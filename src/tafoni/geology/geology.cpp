@@ -8,23 +8,28 @@
 namespace tafoni::geology {
 namespace {
 
-constexpr std::size_t block = 512;
-constexpr std::int64_t grain = 8192;
+constexpr int block = 512;            // points whose values fit the cache
+constexpr std::int64_t grain = 8192;  // points that are worth a thread of their own
 
-double clamped(double rho) {
+double clamp_to_range(double rho) {
   return std::clamp(rho, 0.0, 1.0);
+}
+
+/// The clamped resistances of points, block by block.
+void write_resistances(const Geology& geology, std::span<const Vec3d> points, std::span<float> out) {
+  std::array<double, block> rho;
+  for (std::size_t i = 0; i < points.size(); i += block) {
+    const std::size_t n = std::min<std::size_t>(block, points.size() - i);
+    geology.raws(points.subspan(i, n), std::span(rho).first(n));
+    for (std::size_t k = 0; k < n; ++k) out[i + k] = static_cast<float>(clamp_to_range(rho[k]));
+  }
 }
 
 class Resistance final : public field::Function {
  public:
   explicit Resistance(GeologyPtr geology) : geology_(std::move(geology)) {}
   void values(std::span<const Vec3d> points, std::span<float> out) const override {
-    std::array<double, block> rho;
-    for (std::size_t i = 0; i < points.size(); i += block) {
-      const std::size_t n = std::min(block, points.size() - i);
-      geology_->raws(points.subspan(i, n), std::span(rho).first(n));
-      for (std::size_t k = 0; k < n; ++k) out[i + k] = static_cast<float>(clamped(rho[k]));
-    }
+    write_resistances(*geology_, points, out);
   }
   Interval range(const Box3d&) const override { return {0, 1}; }
 
@@ -43,19 +48,14 @@ void Geology::raws(std::span<const Vec3d> points, std::span<double> out) const {
 }
 
 double Geology::resistance(Vec3d p) const {
-  return clamped(raw(p));
+  return clamp_to_range(raw(p));
 }
 
 void Geology::resistances(std::span<const Vec3d> points, std::span<float> out) const {
   const auto work = [&](std::int64_t begin, std::int64_t end) {
-    std::array<double, block> rho;
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); i += block) {
-      const std::size_t n = std::min(block, static_cast<std::size_t>(end) - i);
-      raws(points.subspan(i, n), std::span(rho).first(n));
-      for (std::size_t k = 0; k < n; ++k) out[i + k] = static_cast<float>(clamped(rho[k]));
-    }
+    write_resistances(*this, points.subspan(begin, end - begin), out.subspan(begin, end - begin));
   };
-  const auto n = static_cast<std::int64_t>(points.size());
+  const std::int64_t n = std::ssize(points);
   if (n <= grain)
     work(0, n);
   else

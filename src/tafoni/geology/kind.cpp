@@ -1,3 +1,6 @@
+// Making geologies by name. Kinds work on world positions; a Shifted about each node they make lets trees ask
+// at local ones.
+
 #include "tafoni/geology/kind.h"
 
 #include <string>
@@ -28,7 +31,8 @@ class Shifted final : public impl::BatchGeology {
   Vec3d shift_;
 };
 
-GeologyPtr shifted(GeologyPtr geology, Vec3d shift) {
+/// The geology as it is seen from a frame whose zero lies at `shift`; two opposite shifts undo each other.
+GeologyPtr shift_by(GeologyPtr geology, Vec3d shift) {
   if (shift == Vec3d{}) return geology;
   if (const auto* back = dynamic_cast<const Shifted*>(geology.get()); back && back->shift() == -shift)
     return back->geology();
@@ -60,8 +64,8 @@ GeologyPtr make_geology(std::string_view name, const Values& values, std::vector
   Values valid;
   for (const auto& [key, value] : values)
     valid[key] = checked(find_param(type.about.params, key, name), value, name);
-  for (GeologyPtr& child : children) child = shifted(std::move(child), -origin);
-  return shifted(type.make(valid, std::move(children), seed), origin);
+  for (GeologyPtr& child : children) child = shift_by(std::move(child), -origin);
+  return shift_by(type.make(valid, std::move(children), seed), origin);
 }
 
 GeologyPtr default_geology(Vec3d origin, std::uint64_t seed) {

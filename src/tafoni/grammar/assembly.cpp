@@ -1,3 +1,7 @@
+// Joining shapes at bonds. A label is searched for over the parts of the base and the bonds of the added
+// shape, on a compiled field of the base that tells which bonds are still free; the operation then changes
+// one part or all.
+
 #include "tafoni/grammar/assembly.h"
 
 #include <algorithm>
@@ -9,27 +13,31 @@
 namespace tafoni::grammar {
 namespace {
 
-constexpr double near_enough = 1e-3;  // metres between a bond and the surface it lies on
+constexpr double near_enough = 1e-3;             // metres between a bond and the surface it lies on
+constexpr double before = 0.05, behind = 0.005;  // metres in which there is space, and something
+constexpr int look_steps = 48;                   // in which a bond looks through the whole base
+constexpr int settle_steps = 64;                 // in which a bond looks for the surface that has moved
+constexpr int halvings = 40;                     // until the surface is found to the last bit that matters
+constexpr double straight = 0.999;               // cosine from which a bond counts as looking straight along
+constexpr double opposite = 1e-9;                // how little two opposite directions differ
 
-/// On the surface, with free space before it and something behind.
+/// Whether a bond lies on the surface, with free space before it and something behind.
 bool is_free(const field::CompiledField& base, const Bond& bond) {
-  constexpr double before = 0.05, behind = 0.005;
   return std::abs(base.value(bond.point)) < static_cast<float>(near_enough) &&
          (bond.direction == Vec3d{} || (base.value(bond.point + bond.direction * before) < 0 &&
                                         base.value(bond.point - bond.direction * behind) > 0));
 }
 
-/// L_B, within 45 degrees.
+/// Whether a bond looks along L_B, within 45 degrees.
 bool looks_along(const Bond& bond, Vec3d direction) {
   constexpr double cos45 = 0.7071067811865475;
   return bond.direction == Vec3d{} || direction == Vec3d{} || dot(bond.direction, direction) >= cos45;
 }
 
-/// Nothing lies before it, however far.
+/// Whether nothing lies before a bond, however far.
 bool looks_out(const field::CompiledField& field, const Bond& bond, double size) {
-  constexpr int steps = 48;
-  for (int i = 1; i <= steps && bond.direction != Vec3d{}; ++i)
-    if (field.value(bond.point + bond.direction * (size * i / steps)) > 0) return false;
+  for (int i = 1; i <= look_steps && bond.direction != Vec3d{}; ++i)
+    if (field.value(bond.point + bond.direction * (size * i / look_steps)) > 0) return false;
   return true;
 }
 
@@ -38,12 +46,11 @@ void settle(std::vector<Bond>& bonds, const field::CompiledField& base, double r
   const auto search = [&](const Bond& bond) -> std::optional<Bond> {
     if (bond.direction == Vec3d{}) return is_free(base, bond) ? std::optional(bond) : std::nullopt;
     const auto at = [&](double t) { return base.value(bond.point + bond.direction * t); };
-    constexpr int steps = 64;
-    for (int i = 0; i < 2 * steps; ++i) {
+    for (int i = 0; i < 2 * settle_steps; ++i) {
       // Inside at lo, outside at hi: 0, then out and in by turns.
-      double lo = reach / steps * (i % 2 ? -(i / 2) - 1 : i / 2), hi = lo + reach / steps;
+      double lo = reach / settle_steps * (i % 2 ? -(i / 2) - 1 : i / 2), hi = lo + reach / settle_steps;
       if (at(lo) < 0 || at(hi) >= 0) continue;
-      for (int halving = 0; halving < 40; ++halving) (at((lo + hi) / 2) >= 0 ? lo : hi) = (lo + hi) / 2;
+      for (int halving = 0; halving < halvings; ++halving) (at((lo + hi) / 2) >= 0 ? lo : hi) = (lo + hi) / 2;
       return Bond{bond.point + bond.direction * hi, bond.direction};
     }
     return std::nullopt;
@@ -59,17 +66,17 @@ void settle(std::vector<Bond>& bonds, const field::CompiledField& base, double r
   bonds = std::move(kept);
 }
 
-std::vector<std::size_t> shuffled(std::size_t n, Random& random) {
+std::vector<std::size_t> shuffle(std::size_t n, Random& random) {
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
   for (std::size_t i = n; i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
   return order;
 }
 
-/// Those that `score` most first; in any order where they score alike.
+/// The order of bonds with those that `score` most first; in any order where they score alike.
 template <class Score>
-std::vector<std::size_t> ranked(const std::vector<Bond>& bonds, Random& random, const Score& score) {
-  std::vector<std::size_t> order = shuffled(bonds.size(), random);
+std::vector<std::size_t> rank(const std::vector<Bond>& bonds, Random& random, const Score& score) {
+  std::vector<std::size_t> order = shuffle(bonds.size(), random);
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return score(bonds[a]) > score(bonds[b]); });
   return order;
@@ -81,9 +88,9 @@ double extent(const Box3d& box, Vec3d direction) {
   return std::abs(direction.x) * half.x + std::abs(direction.y) * half.y + std::abs(direction.z) * half.z;
 }
 
-/// Pushed in along the base's direction, or else the added bond's own.
-Pose sunk(Pose pose, const Shape& added, const Bond& base, const Bond& own, const Part& part,
-          const Production& how) {
+/// The pose of an added shape once it is pushed in, along the base's direction or else the added bond's own.
+Pose push_in(Pose pose, const Shape& added, const Bond& base, const Bond& own, const Part& part,
+             const Production& how) {
   const Vec3d out = base.direction == Vec3d{} ? -pose.turned(own.direction) : base.direction;
   const Box3d box = pose.placed(added.bounds);
   const double way =
@@ -153,18 +160,18 @@ std::optional<Assembly::Label> Assembly::find_label(const Shape& added, const Pr
   const field::CompiledField base = field::compile(tree(form()));
   // An assembly is glued by its outermost sides.
   const std::vector<std::size_t> by_reach =
-      ranked(added.bonds, random, [](const Bond& bond) { return dot(bond.point, bond.direction); });
+      rank(added.bonds, random, [](const Bond& bond) { return dot(bond.point, bond.direction); });
   const int count = static_cast<int>(parts_.size()), first = how.part < 0 ? count - 1 : how.part;
   for (int k = 0; k < count; ++k) {
     // The part asked for, then the others from the last to the first.
     const int index = k == 0 ? first : (count - k <= first ? count - 1 - k : count - k);
-    const Part& part = parts_[static_cast<std::size_t>(index)];
+    const Part& part = parts_[index];
     // Straight ones before slanting ones, the farthest first.
     const auto forward = [&](const Bond& bond) {
-      const bool straight = dot(bond.direction, how.direction) > 0.999;
-      return std::pair(straight, dot(bond.point, how.direction));
+      const bool ahead = dot(bond.direction, how.direction) > straight;
+      return std::pair(ahead, dot(bond.point, how.direction));
     };
-    for (const std::size_t b : ranked(part.bonds, random, forward)) {
+    for (const std::size_t b : rank(part.bonds, random, forward)) {
       const Bond& bond = part.bonds[b];
       if (!looks_along(bond, how.direction) || !is_free(base, bond)) continue;
       for (const bool turned : {false, true}) {
@@ -172,11 +179,11 @@ std::optional<Assembly::Label> Assembly::find_label(const Shape& added, const Pr
         for (const std::size_t a : by_reach) {
           const Bond& own = added.bonds[a];
           const bool fits = bond.direction == Vec3d{} || own.direction == Vec3d{} ||
-                            length(own.direction + bond.direction) < 1e-9;
+                            length(own.direction + bond.direction) < opposite;
           if (fits == turned) continue;
           Pose pose = turned ? turn(own.direction, -bond.direction) : Pose{};
           pose.at = bond.point - pose.turned(own.point);
-          const Pose final = sunk(pose, added, bond, own, part, how);
+          const Pose final = push_in(pose, added, bond, own, part, how);
           if (accept && !accept(final.placed(added.bounds))) continue;
           return Label{index, b, a, pose, final};
         }
@@ -187,7 +194,7 @@ std::optional<Assembly::Label> Assembly::find_label(const Shape& added, const Pr
 }
 
 bool Assembly::apply(const Shape& added, const Production& how, const Label& label) {
-  auto& bonds = parts_[static_cast<std::size_t>(label.part)].bonds;
+  auto& bonds = parts_[label.part].bonds;
   const Bond base = bonds[label.bond], own = label.touching.placed(added.bonds[label.added]);
   labels_.emplace_back(base, own);
   bonds.erase(bonds.begin() + static_cast<std::ptrdiff_t>(label.bond));
@@ -209,7 +216,7 @@ bool Assembly::apply(const Shape& added, const Production& how, const Label& lab
     for (Part& part : parts_) all.bonds.insert(all.bonds.end(), part.bonds.begin(), part.bonds.end());
     parts_ = {std::move(all)};
   }
-  Part& part = parts_[how.whole ? 0 : static_cast<std::size_t>(label.part)];
+  Part& part = parts_[how.whole ? 0 : label.part];
   part.form = combined(how.operation, part.form, form, how.alpha);
   if (how.operation == Operation::morph) part.bounds.expand(box);
   part.bonds.insert(part.bonds.end(), others.begin(), others.end());
@@ -228,7 +235,7 @@ bool Assembly::carve(const Shape& added, const Label& label) {
   // max(a, b) less c is max(a less c, b less c); parts that c does not reach keep their surface.
   for (Part& part : parts_)
     if (part.bounds.overlaps(box)) part.form = combined(Operation::difference, part.form, form);
-  Part& part = parts_[static_cast<std::size_t>(label.part)];
+  Part& part = parts_[label.part];
   for (const Bond& own : added.bonds) {
     const Bond bond = label.final.placed(own);
     part.bonds.push_back({bond.point, -bond.direction});

@@ -1,3 +1,6 @@
+// Assemblies at random: operations in a drawn order, each with a shape drawn for it, tried again a few times
+// where it finds no place.
+
 #include "tafoni/grammar/derive.h"
 
 #include <algorithm>
@@ -7,12 +10,18 @@
 namespace tafoni::grammar {
 namespace {
 
-constexpr int tries = 20;
+enum class Stream : std::uint64_t { productions = 0x5364 };
+
+constexpr int tries = 20;               // shapes drawn for one production before it is dropped
+constexpr double least_overlap = 0.25;  // of the solids of one shape, so that it holds together
+constexpr double cut_sink = 0.5;        // how far a shape that takes away is pushed in: to its middle
 
 class Generator {
  public:
   explicit Generator(const Settings& settings)
-      : settings_(settings), direction_(direction_of(settings.direction)), random_(settings.seed, 0x5364) {
+      : settings_(settings),
+        direction_(direction_of(settings.direction)),
+        random_(settings.seed, Stream::productions) {
     if (settings.solids.empty()) fail(ErrorKind::usage, "a grammar needs the name of one solid at least");
     for (const std::string& name : settings.solids) find_solid(name);
   }
@@ -78,7 +87,7 @@ class Generator {
     Assembly parts;
     for (int i = 0; i < count; ++i) {
       Production how;
-      how.sink = std::max(settings_.overlap, 0.25);
+      how.sink = std::max(settings_.overlap, least_overlap);
       how.turn = settings_.turn;
       parts.produce(shape_of(solid(scale)), how, random_);
     }
@@ -99,10 +108,10 @@ class Generator {
     how.turn = settings_.turn;
     how.whole = settings_.whole;
     // What lies outside cannot take anything away, and would leave next to nothing in common or in between.
-    how.sink = operation == Operation::sum ? settings_.overlap : 0.5;
+    how.sink = operation == Operation::sum ? settings_.overlap : cut_sink;
     how.level = operation == Operation::morph || operation == Operation::intersection;
     const bool branch = random_.uniform() < settings_.branches;
-    const auto parts = static_cast<std::uint64_t>(base.parts().size());
+    const std::uint64_t parts = base.parts().size();
     if (branch && parts > 0 && operation != Operation::intersection)
       how.part = static_cast<int>(random_.below(parts));
     return how;
@@ -124,7 +133,7 @@ Vec3d direction_of(std::string_view text) {
   const std::vector<std::string> names = direction_names();
   const auto found = std::find(names.begin(), names.end(), text);
   if (found == names.end())
-    fail(ErrorKind::usage, "unknown direction \"{}\"; write +X, -X, +Y, -Y, +Z, -Z or random", text);
+    fail(ErrorKind::usage, "there is no direction \"{}\"; write +X, -X, +Y, -Y, +Z, -Z or random", text);
   return axes[found - names.begin()];
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// Assemblies from the document's six parameters, by a table of rules or at random [Zawadzki §3].
+// The grammar of caves. Assemblies from the document's six parameters, by a table of rules or at random
+// [Zawadzki §3].
 
 #include <cstdint>
 #include <string>

@@ -1,3 +1,5 @@
+// Forms become trees: each leaf gets the pose that all forms about it add up to.
+
 #include "tafoni/grammar/form.h"
 
 #include "tafoni/core/error.h"
@@ -5,6 +7,8 @@
 
 namespace tafoni::grammar {
 namespace {
+
+constexpr float far_outside = -1e6f;  // metres: the distance of a form that is nothing
 
 field::NodePtr tree_of(const Form& form, const Pose& outer) {
   const Pose pose = outer.placed(form.pose);
@@ -31,7 +35,7 @@ Operation operation_of(std::string_view name) {
   if (name == "difference") return Operation::difference;
   if (name == "intersection") return Operation::intersection;
   if (name == "morph") return Operation::morph;
-  fail(ErrorKind::usage, "unknown operation \"{}\"; write sum, difference, intersection or morph", name);
+  fail(ErrorKind::usage, "there is no operation \"{}\"; write sum, difference, intersection or morph", name);
 }
 
 FormPtr placed(FormPtr form, const Pose& pose) {
@@ -58,7 +62,7 @@ FormPtr sum(std::vector<FormPtr> forms) {
 }
 
 field::NodePtr tree(const FormPtr& form) {
-  return form ? tree_of(*form, {}) : field::constant(-1e6f);
+  return form ? tree_of(*form, {}) : field::constant(far_outside);
 }
 
 }  // namespace tafoni::grammar

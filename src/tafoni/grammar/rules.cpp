@@ -1,3 +1,6 @@
+// Assemblies by a table of rules: symbols stand on parts of the base and are replaced one after the other, in
+// the order in which they came.
+
 #include <algorithm>
 #include <deque>
 
@@ -6,6 +9,16 @@
 
 namespace tafoni::grammar {
 namespace {
+
+enum class Stream : std::uint64_t { rules = 0x5275 };
+
+// What nobody means, and what would never end.
+constexpr double least_size = 1e-3, greatest_size = 1e4;  // multiples of the layer's size
+constexpr int deepest = 8;                                // shapes made of shapes
+constexpr int most_idle = 10000;                          // empty shapes in all
+constexpr int most_stored = 256;                          // productions of one shape
+constexpr std::size_t most_open = 100000;                 // symbols that wait
+constexpr int tries = 4;                                  // sizes drawn for a production before it is dropped
 
 struct Range {
   double lo = 1, hi = 1;
@@ -38,13 +51,12 @@ double number(std::string_view text, double otherwise) {
 
 /// "2", or "1.5..3" for a size drawn between the two.
 Range range(std::string_view text, const std::string& where) {
-  constexpr double least = 1e-3, most = 1e4;
   const std::size_t dots = text.find("..");
   const double lo = number(text.substr(0, dots), 0);
   const double hi = dots == text.npos ? lo : number(text.substr(dots + 2), 0);
-  if (!(lo >= least && hi >= lo && hi <= most))
+  if (!(lo >= least_size && hi >= lo && hi <= greatest_size))
     fail(ErrorKind::usage, "{}: size = \"{}\" must be a number from {:g} to {:g}, or two as in 1..2", where,
-         text, least, most);
+         text, least_size, greatest_size);
   return {lo, hi};
 }
 
@@ -75,7 +87,7 @@ Rule rule(const Row& row, std::size_t number_of_row, const Settings& settings) {
 class Rewriting {
  public:
   Rewriting(const Rows& rows, const Settings& settings, Progress& progress)
-      : settings_(settings), progress_(progress), random_(settings.seed, 0x5275) {
+      : settings_(settings), progress_(progress), random_(settings.seed, Stream::rules) {
     for (std::size_t i = 0; i < rows.size(); ++i) rules_.push_back(rule(rows[i], i, settings));
     for (const Rule& r : rules_) {
       for (const std::string& symbol : r.next)
@@ -133,7 +145,6 @@ class Rewriting {
         fail(error.kind(), "{}: {}", r.where, error.what());
       }
     }
-    constexpr int deepest = 8;
     if (depth >= deepest)
       fail(ErrorKind::usage, "{}: \"{}\" is made of itself without end", r.where, r.shape);
     Assembly stored;
@@ -189,14 +200,11 @@ class Rewriting {
 
   bool place(Assembly& base, const Rule& r, const Production& how, const Assembly::Accept& accept,
              int depth) {
-    constexpr int tries = 4;
     for (int i = 0; i < tries; ++i)
       if (base.produce(shape(r, depth), how, random_, accept)) return true;
     return false;
   }
 
-  static constexpr int most_idle = 10000, most_stored = 256;
-  static constexpr std::size_t most_open = 100000;
   const Settings& settings_;
   Progress& progress_;
   Random random_;
@@ -208,17 +216,19 @@ class Rewriting {
 
 std::vector<ParamInfo> rule_columns() {
   return {
-      column("symbol", "", "what the rule replaces"),
-      column("shape", "", "a solid, empty, or a symbol whose own rules make the shape"),
-      choice_column("operation", "sum", {"sum", "difference", "intersection", "morph"}, "how it joins"),
-      choice_column("label", "", direction_names(), "where on the base; empty for the layer's"),
+      column("symbol", "", "Symbol that the rule replaces"),
+      column("shape", "", "Shape that it adds: a solid, empty, or a symbol whose own rules make it"),
+      choice_column("operation", "sum", {"sum", "difference", "intersection", "morph"},
+                    "How the shape joins the base"),
+      choice_column("label", "", direction_names(),
+                    "Side of the base where the shape joins; empty for the layer's direction"),
       column("size", "1",
-             "half width, or three along x, y and z, as multiples of the layer's size; a..b for any between"),
-      numbers_column("morph", "", "%", 1, 0, 100, "share of the shape in a morph; empty for the layer's"),
+             "Half width, or three along x, y and z, as multiples of the layer's size; a..b for any between"),
+      numbers_column("morph", "", "%", 1, 0, 100, "Share of the shape in a morph; empty for the layer's"),
       numbers_column("sink", "", "", 1, 0, 1,
-                     "share of its extent that a shape is pushed in; empty for the layer's overlap"),
-      numbers_column("weight", "1", "", 1, 0, 1e9, "how likely among the rules of the symbol"),
-      column("next", "", "symbols that go on from the shape")};
+                     "Share of its extent that the shape is pushed in; empty for the layer's overlap"),
+      numbers_column("weight", "1", "", 1, 0, 1e9, "How likely the rule is among those of its symbol"),
+      column("next", "", "Symbols that go on from the shape; empty for none")};
 }
 
 void derive_by_rules(Assembly& base, const Rows& rules, const Settings& settings,

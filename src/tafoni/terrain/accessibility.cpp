@@ -1,3 +1,6 @@
+// How large a sphere can touch the ground at each cell. A pyramid of greatest heights lets a search from near
+// to far leave out what no sphere reaches.
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -22,8 +25,9 @@ std::vector<raster::Grid<float>> max_pyramid(const raster::Grid<float>& heights,
     const raster::Grid<float>& fine = pyramid.back();
     raster::Grid<float> coarse((fine.width() + 1) / 2, (fine.height() + 1) / 2, nothing);
     parallel_blocks(coarse.height(), 64, [&](std::int64_t begin, std::int64_t end) {
-      for (int row = 2 * static_cast<int>(begin); row < std::min(2 * static_cast<int>(end), fine.height());
-           ++row)
+      const int first = 2 * static_cast<int>(begin),
+                last = std::min(2 * static_cast<int>(end), fine.height());
+      for (int row = first; row < last; ++row)
         for (int col = 0; col < fine.width(); ++col) {
           float& most = coarse.at(col / 2, row / 2);
           most = std::max(most, fine.at(col, row));
@@ -73,9 +77,9 @@ class Search {
   }
 
   void visit(int level, int block_col, int block_row) {
-    const raster::Grid<float>& grid = pyramid_[static_cast<std::size_t>(level)];
+    const raster::Grid<float>& grid = pyramid_[level];
     if (!grid.inside(block_col, block_row)) return;
-    const double rise = static_cast<double>(grid.at(block_col, block_row)) - height_;
+    const double rise = grid.at(block_col, block_row) - height_;
     if (!in_sphere(level, block_col, block_row, rise)) return;
     if (level == 0) {
       shrink((block_col - col_) * dx_, (row_ - block_row) * dy_, rise);
@@ -132,15 +136,15 @@ raster::Grid<float> accessibility(const raster::Raster& heights, const Accessibi
     return !impl::missing(heights.values.at(col, row)) &&
            (!settings.wanted || settings.wanted->at(col, row) != 0);
   };
-  progress.begin("accessibility", static_cast<std::uint64_t>(height), "rows");
+  progress.begin("accessibility", height, "rows");
   parallel_for(
       height,
-      [&](std::int64_t row) {
+      [&](std::int64_t i) {
+        const int row = static_cast<int>(i);
         Search search(heights, pyramid, settings.max_radius);
         for (int col = 0; col < width; ++col)
-          if (asked(col, static_cast<int>(row)))
-            out.at(col, static_cast<int>(row)) =
-                static_cast<float>(search.radius(col, static_cast<int>(row)) / settings.max_radius);
+          if (asked(col, row))
+            out.at(col, row) = static_cast<float>(search.radius(col, row) / settings.max_radius);
       },
       progress);
   progress.end();

@@ -1,3 +1,5 @@
+// Filling depressions: water rises from the borders and gives every cell the lowest level at which it drains.
+
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -64,8 +66,7 @@ class Flood {
   }
 
   void spread(std::uint32_t cell) {
-    const auto width = static_cast<std::uint32_t>(heights_.width());
-    const int col = static_cast<int>(cell % width), row = static_cast<int>(cell / width);
+    const auto [col, row] = impl::cell_of(heights_, cell);
     const float water = level_.at(col, row);
     const float least = drain_flats_ ? just_above(water) : water;
     for (int k = 0; k < 8; ++k) {

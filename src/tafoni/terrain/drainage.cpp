@@ -1,3 +1,5 @@
+// Upslope areas: every cell hands its own on to its lower neighbours, once all higher ones have.
+
 #include <algorithm>
 #include <cmath>
 
@@ -66,8 +68,7 @@ class Flow {
   }
 
   void pass_on(std::uint32_t cell, std::vector<std::uint32_t>& ready) {
-    const auto width = static_cast<std::uint32_t>(heights_.width());
-    const int col = static_cast<int>(cell % width), row = static_cast<int>(cell / width);
+    const auto [col, row] = impl::cell_of(heights_, cell);
     const float h = heights_.data()[cell];
     std::uint32_t lower[8];
     float weight[8];
@@ -84,10 +85,10 @@ class Flow {
     double total = 0;
     for (int k = 0; k < n; ++k) {
       weight[k] = std::pow(weight[k] / steepest, exponent_);
-      total += static_cast<double>(weight[k]);
+      total += weight[k];
     }
     for (int k = 0; k < n; ++k) {
-      area_.data()[lower[k]] += area_.data()[cell] * (static_cast<double>(weight[k]) / total);
+      area_.data()[lower[k]] += area_.data()[cell] * (weight[k] / total);
       if (--waiting_.data()[lower[k]] != 0) continue;
       waiting_.data()[lower[k]] = settled;
       ready.push_back(lower[k]);
@@ -105,7 +106,7 @@ class Flow {
 
 raster::Grid<float> drainage_area(const raster::Raster& filled, double exponent, Progress& progress) {
   impl::check_size(filled);
-  progress.begin("drainage area", static_cast<std::uint64_t>(filled.height()), "rows");
+  progress.begin("drainage area", filled.height(), "rows");
   raster::Grid<float> area = Flow(filled, exponent).run(progress);
   progress.end();
   return area;

@@ -17,15 +17,21 @@ namespace tafoni::terrain {
 struct GridSettings {
   std::int64_t width = 600, height = 450;  ///< pixels
   double pixel = 1.0;                      ///< metres
+
+  int columns() const { return static_cast<int>(width); }
+  int rows() const { return static_cast<int>(height); }
+  /// Metres from west to east and from south to north.
+  Vec2d extent() const { return {columns() * pixel, rows() * pixel}; }
 };
 
 template <class P>
 void add_grid_params(ParamTable<P>& table) {
   table.integer("width", static_cast<std::int64_t P::*>(&GridSettings::width), "px", 2, 32768,
-                "columns of the elevation model");
+                "Columns of the elevation model");
   table.integer("height", static_cast<std::int64_t P::*>(&GridSettings::height), "px", 2, 32768,
-                "rows of the elevation model");
-  table.real("pixel", static_cast<double P::*>(&GridSettings::pixel), "m", 0.05, 1000, "size of a pixel");
+                "Rows of the elevation model");
+  table.real("pixel", static_cast<double P::*>(&GridSettings::pixel), "m", 0.05, 1000,
+             "Side of a pixel; the map is width and height of them");
 }
 
 struct GeneratorType {

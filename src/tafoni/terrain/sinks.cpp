@@ -1,3 +1,5 @@
+// Closed depressions: what lies below the filled surface, gathered to one sink for each connected set.
+
 #include <algorithm>
 
 #include "tafoni/terrain/analysis.h"
@@ -12,7 +14,6 @@ Sink gather(const raster::Raster& heights, const raster::Grid<float>& level, std
             std::vector<bool>& seen, std::vector<std::size_t>& stack) {
   const raster::Grid<float>& grid = heights.values;
   const double cell_area = heights.placement.dx * heights.placement.dy;
-  const auto width = static_cast<std::size_t>(grid.width());
   std::size_t deepest = first;
   double depths = 0;
   std::uint64_t cells = 0;
@@ -23,9 +24,9 @@ Sink gather(const raster::Raster& heights, const raster::Grid<float>& level, std
     stack.pop_back();
     const float h = grid.data()[i];
     ++cells;
-    depths += static_cast<double>(level.data()[i]) - static_cast<double>(h);
+    depths += static_cast<double>(level.data()[i]) - h;
     if (h < grid.data()[deepest] || (h == grid.data()[deepest] && i < deepest)) deepest = i;
-    const int col = static_cast<int>(i % width), row = static_cast<int>(i / width);
+    const auto [col, row] = impl::cell_of(grid, i);
     for (int k = 0; k < 8; ++k) {
       const int c = col + impl::neighbour_col[k], r = row + impl::neighbour_row[k];
       if (!grid.inside(c, r)) continue;
@@ -35,9 +36,13 @@ Sink gather(const raster::Raster& heights, const raster::Grid<float>& level, std
       stack.push_back(n);
     }
   }
-  return {static_cast<int>(deepest % width),         static_cast<int>(deepest / width),
-          static_cast<double>(grid.data()[deepest]), static_cast<double>(level.data()[deepest]),
-          static_cast<double>(cells) * cell_area,    depths * cell_area};
+  const auto [col, row] = impl::cell_of(grid, deepest);
+  return {.col = col,
+          .row = row,
+          .elevation = grid.data()[deepest],
+          .spill = level.data()[deepest],
+          .area = static_cast<double>(cells) * cell_area,
+          .volume = depths * cell_area};
 }
 
 }  // namespace
@@ -45,7 +50,7 @@ Sink gather(const raster::Raster& heights, const raster::Grid<float>& level, std
 std::vector<Sink> sinks(const raster::Raster& heights, const SinkSettings& settings, Progress& progress) {
   const raster::Grid<float> level = fill_depressions(heights, {.drain_flats = false}, progress);
   const raster::Grid<float>& grid = heights.values;
-  progress.begin("sinks", static_cast<std::uint64_t>(grid.height()), "rows");
+  progress.begin("sinks", grid.height(), "rows");
   std::vector<bool> seen(grid.size(), false);
   std::vector<std::size_t> stack;
   std::vector<Sink> found;

@@ -9,7 +9,7 @@ namespace tafoni::terrain {
 raster::Grid<float> slope(const raster::Raster& heights, Progress& progress) {
   const int width = heights.width(), height = heights.height();
   raster::Grid<float> out(width, height, raster::no_data);
-  progress.begin("slope", static_cast<std::uint64_t>(height), "rows");
+  progress.begin("slope", height, "rows");
   parallel_for(
       height,
       [&](std::int64_t r) {

@@ -1,3 +1,6 @@
+// From an elevation model to a terrain: where its origin is, which part of it is the domain, how high its
+// box.
+
 #include "tafoni/terrain/terrain.h"
 
 #include <algorithm>
@@ -22,8 +25,8 @@ Range range_of(const Grid<float>& values) {
   Range out;
   for (const float v : values.values()) {
     if (std::isnan(v)) continue;
-    out.lo = std::min(out.lo, static_cast<double>(v));
-    out.hi = std::max(out.hi, static_cast<double>(v));
+    out.lo = std::min<double>(out.lo, v);
+    out.hi = std::max<double>(out.hi, v);
   }
   return out;
 }
@@ -84,7 +87,7 @@ Terrain make_terrain(const Raster& world, double voxel, const TerrainOptions& op
   const raster::Placement local{p.west - out.origin.x, p.north - out.origin.y, p.dx, p.dy};
 
   auto heights = std::make_shared<Raster>(Raster{world.values, local, world.crs});
-  for (float& h : heights->values.values()) h = static_cast<float>(static_cast<double>(h) - out.origin.z);
+  for (float& h : heights->values.values()) h = static_cast<float>(h - out.origin.z);
   raster::fill_all(*heights, progress);
   out.box = footprint(inside, local, world.width(), world.height());
   const double reach = settings.influence + voxel;

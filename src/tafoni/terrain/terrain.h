@@ -1,5 +1,5 @@
 #pragma once
-// An elevation model as a field: choice of the origin, the domain, and the construction tree of DESIGN 6.
+// An elevation model as a field: choice of the origin, the domain, and its construction tree.
 
 #include <cstdint>
 #include <memory>

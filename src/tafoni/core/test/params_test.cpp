@@ -11,6 +11,8 @@
 namespace tafoni {
 namespace {
 
+using testing::HasSubstr;
+
 struct Example {
   double range = 8;
   std::int64_t steps = 3;
@@ -98,16 +100,21 @@ TEST(Params, ConvertsWhereNothingIsLost) {
   EXPECT_EQ(checked(info("steps"), Value(4.0), "w"), Value(std::int64_t{4}));
   EXPECT_EQ(checked(info("weights"), Value(0.5), "w"), Value(std::vector<double>{0.5}));
   EXPECT_EQ(checked(info("weights"), Value(std::int64_t{1}), "w"), Value(std::vector<double>{1}));
-  EXPECT_THROW(checked(info("steps"), Value(4.5), "w"), Error);
-  EXPECT_THROW(checked(info("steps"), Value(1e300), "w"), Error);
-  EXPECT_THROW(checked(info("wet"), Value(std::int64_t{1}), "w"), Error);
+  EXPECT_EQ(error_of([&] { checked(info("steps"), Value(4.5), "w"); }),
+            "w: steps must be a whole number, 1 to 8, not 4.5");
+  EXPECT_THAT(error_of([&] { checked(info("steps"), Value(1e300), "w"); }),
+              HasSubstr("w: steps must be a whole number, 1 to 8, not 1e+300"));
+  EXPECT_EQ(error_of([&] { checked(info("wet"), Value(std::int64_t{1}), "w"); }),
+            "w: wet must be true or false, not 1");
 }
 
 TEST(Params, LimitsBelongToTheRange) {
   EXPECT_EQ(checked(info("range"), Value(0.1), "w"), Value(0.1));
   EXPECT_EQ(checked(info("range"), Value(1000.0), "w"), Value(1000.0));
-  EXPECT_THROW(checked(info("range"), Value(std::nextafter(1000.0, 2000.0)), "w"), Error);
-  EXPECT_THROW(checked(info("range"), Value(std::nan("")), "w"), Error);
+  EXPECT_THAT(error_of([&] { checked(info("range"), Value(std::nextafter(1000.0, 2000.0)), "w"); }),
+              HasSubstr("is outside 0.1 to 1000 m"));
+  EXPECT_THAT(error_of([&] { checked(info("range"), Value(std::nan("")), "w"); }),
+              HasSubstr("w: range = nan is outside 0.1 to 1000 m"));
 }
 
 TEST(Params, SentencesNameThePlaceTheValueAndTheRange) {

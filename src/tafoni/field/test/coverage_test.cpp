@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/field/tree.h"
 
 namespace tafoni::field {
@@ -17,7 +17,10 @@ TEST(Coverage, OfDiscsInASquare) {
   const NodePtr tree = combine("blend", {constant(0), cloud.finish()});
   EXPECT_NEAR(coverage(tree, {{0, 0, 0}, {100, 100, 0}}, 0.1), std::numbers::pi * 500 / 10000, 1e-3);
   EXPECT_EQ(coverage(constant(1), {{0, 0, 0}, {100, 100, 0}}, 1), 0);
-  EXPECT_THROW(coverage(tree, {{0, 0, 0}, {100, 0, 0}}, 1), Error);
+  EXPECT_EQ(error_of([&] {
+              coverage(tree, {{0, 0, 0}, {100, 0, 0}}, 1);
+            }),
+            "coverage wants an area and a cell above 0 m");
 }
 
 TEST(Coverage, CountsEveryCopy) {

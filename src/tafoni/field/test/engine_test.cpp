@@ -4,16 +4,20 @@
 #include <cmath>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/field/chunks.h"
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/test/lattice.h"
 
 namespace tafoni::field {
 namespace {
+
+using testing::HasSubstr;
 
 NodePtr scene(const NodePtr& terrain, int points, double extent, std::uint64_t seed, double noise = 0,
               double radius_hi = 6) {
@@ -267,14 +271,27 @@ TEST(Tree, CurvesFollowCatmullRom) {
 }
 
 TEST(Tree, RefusesWhatCannotBeAField) {
-  EXPECT_THROW(heightfield(hills(4, 1, 1, 1), {20, 6, true, true}), Error);
+  EXPECT_THAT(error_of([&] {
+                heightfield(hills(4, 1, 1, 1), {20, 6, true, true});
+              }),
+              HasSubstr("is over three times amplitude"));
   CloudBuilder cloud({"point", 15, {}});
-  EXPECT_THROW(add_point(cloud, {0, 0, 0}, -1, 1), Error);
-  EXPECT_THROW(add_point(cloud, {0, 0, NAN}, 1, 1), Error);
-  EXPECT_THROW(add_point(cloud, {1e6, 0, 0}, 1, 1), Error);
-  EXPECT_THROW(cloud.add({0, 0, 0}, 1, std::vector<float>{1, 2}), Error);
-  EXPECT_THROW(CloudBuilder({"pont", 15, {}}), Error);
-  EXPECT_THROW(combine("unio", {constant(1)}), Error);
+  EXPECT_THAT(error_of([&] {
+                add_point(cloud, {0, 0, 0}, -1, 1);
+              }),
+              HasSubstr("has radius -1 m; it must be positive"));
+  EXPECT_THAT(error_of([&] {
+                add_point(cloud, {0, 0, NAN}, 1, 1);
+              }),
+              HasSubstr("has a number that is not finite"));
+  EXPECT_THAT(error_of([&] {
+                add_point(cloud, {1e6, 0, 0}, 1, 1);
+              }),
+              HasSubstr("lies 1000000 m from the scene's origin"));
+  const std::vector<float> two{1, 2};
+  EXPECT_EQ(error_of([&] { cloud.add({0, 0, 0}, 1, two); }), "a point primitive cannot have 2 shape numbers");
+  EXPECT_THAT(error_of([&] { CloudBuilder({"pont", 15, {}}); }), HasSubstr("there is no primitive \"pont\""));
+  EXPECT_THAT(error_of([&] { combine("unio", {constant(1)}); }), HasSubstr("there is no operator \"unio\""));
 }
 
 }  // namespace

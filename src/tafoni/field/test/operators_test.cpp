@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/impl/node.h"
 #include "tafoni/field/test/lattice.h"
@@ -17,6 +19,8 @@
 
 namespace tafoni::field {
 namespace {
+
+using testing::HasSubstr;
 
 /// Noise in [0, 1] inside a box, fading to 0 over 8 m at its border; everywhere without a box.
 class Patchy final : public Function {
@@ -303,11 +307,10 @@ TEST(Warp, DeepChainsWorkAndBottomlessOnesAreRefused) {
   double sum = 0;
   for (const Vec3d& p : some_points(50, 60, 4)) sum += std::fabs(field.value(p) - bare.value(p));
   EXPECT_LT(sum / 50, 2);
-  EXPECT_THROW(
-      {
-        for (int i = 0; i < 40; ++i) node = warp(node, nullptr, folds);
-      },
-      Error);
+  EXPECT_THAT(error_of([&] {
+                for (int i = 0; i < 40; ++i) node = warp(node, nullptr, folds);
+              }),
+              HasSubstr("deep in one another; remove some"));
 }
 
 TEST(Transform, AgreesWithTheTreeAtItsOwnPositions) {
@@ -323,7 +326,10 @@ TEST(Transform, AgreesWithTheTreeAtItsOwnPositions) {
     const Vec3d p = at.position + rotate(own, at.turn, at.tilt) * at.scale;
     EXPECT_NEAR(placed.value(p), at.scale * bare.value(own), 1e-4);
   }
-  EXPECT_THROW(transform(land(), {{0, 0, 0}, 0, 0, 0}), Error);
+  EXPECT_EQ(error_of([&] {
+              transform(land(), {{0, 0, 0}, 0, 0, 0});
+            }),
+            "a placement's scale is 0; it must be positive");
 }
 
 TEST(Instances, AreTheBlendOfTransforms) {
@@ -358,8 +364,11 @@ TEST(Instances, AreSmallAndCounted) {
 }
 
 TEST(Instances, RefuseWhatHasNoEnd) {
-  EXPECT_THROW(instances(land(), places(3, 1)), Error);
-  EXPECT_THROW(instances(hoodoo(), std::vector<Placement>{{{2e5, 0, 0}, 0, 0, 1}}), Error);
+  EXPECT_THAT(error_of([&] { instances(land(), places(3, 1)); }),
+              HasSubstr("only a tree that is 0 outside of a box can be instanced"));
+  const std::vector<Placement> far{{{2e5, 0, 0}, 0, 0, 1}};
+  EXPECT_THAT(error_of([&] { instances(hoodoo(), far); }),
+              HasSubstr("from the scene's origin; the limit is"));
   EXPECT_EQ(compile(instances(hoodoo(), {})).value({0, 0, 0}), 0.f);
 }
 

@@ -7,10 +7,12 @@
 #include <cstdlib>
 #include <set>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/impl/node.h"
 #include "tafoni/field/operator.h"
@@ -19,6 +21,8 @@
 
 namespace tafoni::field {
 namespace {
+
+using testing::HasSubstr;
 
 struct Sample {
   Vec3d anchor;
@@ -63,8 +67,9 @@ TEST_P(Kinds, DeclareThemselves) {
     EXPECT_FALSE(p.doc.empty()) << p.name;
     EXPECT_LT(p.min, p.max) << p.name;
     EXPECT_NO_THROW(checked(p, p.init, type.about.name));
-    EXPECT_THROW(checked(p, Value(p.max * 2), type.about.name), Error);
-    EXPECT_THROW(checked(p, Value(std::string("wide")), type.about.name), Error);
+    EXPECT_THAT(error_of([&] { checked(p, Value(p.max * 2), type.about.name); }), HasSubstr(p.name + " = "));
+    EXPECT_THAT(error_of([&] { checked(p, Value(std::string("wide")), type.about.name); }),
+                HasSubstr(p.name + " must be a number"));
     EXPECT_EQ(std::get<double>(parsed(p, to_toml(p.init), type.about.name)), std::get<double>(p.init));
   }
 }
@@ -137,7 +142,9 @@ TEST_P(Kinds, RefuseNumbersOutsideTheirRanges) {
     CloudBuilder cloud({type.about.name, 7, {}});
     cloud.add(s.anchor, s.energy, s.shape);
     s.shape[i] = static_cast<float>(type.about.params[i].max * 20);
-    EXPECT_THROW(cloud.add(s.anchor, s.energy, s.shape), Error) << type.about.params[i].name;
+    EXPECT_THAT(error_of([&] { cloud.add(s.anchor, s.energy, s.shape); }),
+                HasSubstr("a " + type.about.name + " primitive "))
+        << type.about.params[i].name;
   }
 }
 
@@ -216,7 +223,10 @@ TEST_P(Operators, DeclareThemselves) {
     EXPECT_LE(type.about.params.size(), 1u);
   } else {
     EXPECT_FALSE(type.about.params.empty());
-    EXPECT_THROW(combine(type.about.name, {constant(1), constant(2)}), Error);
+    EXPECT_THAT(error_of([&] {
+                  combine(type.about.name, {constant(1), constant(2)});
+                }),
+                HasSubstr("does not combine trees by value"));
   }
   for (const ParamInfo& p : type.about.params) {
     EXPECT_FALSE(p.doc.empty()) << p.name;

@@ -1,3 +1,5 @@
+// The five domains: four are a test of one position, the fifth asks another geology.
+
 #include "tafoni/geology/impl/domain.h"
 
 #include <cmath>
@@ -22,10 +24,11 @@ class Tested final : public Domain {
 };
 
 template <class Test>
-std::unique_ptr<const Domain> tested(Test test) {
+std::unique_ptr<const Domain> by_test(Test test) {
   return std::make_unique<Tested<Test>>(std::move(test));
 }
 
+/// Where a geology is above a half.
 class Field final : public Domain {
  public:
   explicit Field(GeologyPtr field) : field_(std::move(field)) {}
@@ -42,7 +45,7 @@ class Field final : public Domain {
 };
 
 std::unique_ptr<const Domain> box(Vec3d middle, const std::vector<double>& size, double azimuth) {
-  return tested([=, a = sine_cosine(azimuth), x = size[0] / 2, y = size[1] / 2, z = size[2] / 2](Vec3d p) {
+  return by_test([=, a = sine_cosine(azimuth), x = size[0] / 2, y = size[1] / 2, z = size[2] / 2](Vec3d p) {
     const Vec3d q = p - middle;
     return std::abs(q.x * a.y - q.y * a.x) < x && std::abs(q.y * a.y + q.x * a.x) < y && std::abs(q.z) < z;
   });
@@ -56,7 +59,7 @@ std::unique_ptr<const Domain> prism(const DomainParams& params, std::string_view
          xy.size());
   if (params.bottom >= params.top)
     fail(ErrorKind::usage, "{}: bottom = {} is not below top = {}", where, params.bottom, params.top);
-  return tested([xy, bottom = params.bottom, top = params.top](Vec3d p) {
+  return by_test([xy, bottom = params.bottom, top = params.top](Vec3d p) {
     if (!(p.z > bottom && p.z < top)) return false;
     bool in = false;
     for (std::size_t i = 0, j = xy.size() - 2; i < xy.size(); j = i, i += 2) {
@@ -89,8 +92,8 @@ std::unique_ptr<const Domain> make_domain(const DomainParams& params, std::vecto
   if (params.domain == "box") return box(at, params.size, params.azimuth);
   if (params.domain == "polygon") return prism(params, where);
   if (params.domain == "sphere")
-    return tested([=, r = params.radius](Vec3d p) { return dot(p - at, p - at) < r * r; });
-  return tested(
+    return by_test([=, r = params.radius](Vec3d p) { return dot(p - at, p - at) < r * r; });
+  return by_test(
       [=, normal = plane_normal(params.dip, params.azimuth)](Vec3d p) { return dot(p - at, normal) > 0; });
 }
 

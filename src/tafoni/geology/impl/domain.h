@@ -27,19 +27,30 @@ struct DomainParams {
 /// Adds the parameters of a domain to the table of a struct that derives from DomainParams.
 template <class P>
 void declare_domain(ParamTable<P>& table) {
+  const Values polygon{{"domain", std::string("polygon")},
+                       {"polygon", std::vector<double>{-100, -100, 100, -100, 0, 100}}};
   table
       .choice("domain", &P::domain, {"plane", "box", "sphere", "polygon", "field"},
-              "what bounds the domain; field: where the last child is above 0.5")
+              "What bounds the domain; a field is where the last child is above 0.5")
       .numbers("position", &P::position, "m", 3, -1e8, 1e8,
-               "a world position on the plane, or the middle of the box or sphere")
-      .real("dip", &P::dip, "deg", 0, 90, "steepest descent of the plane; the domain lies above it")
+               "World position on the plane, or of the middle of the box or sphere")
+      .only("where domain is plane, box or sphere")
+      .real("dip", &P::dip, "deg", 0, 90,
+            "Steepest descent of the plane, 0 for a level one; the domain lies above it")
+      .only("where domain is plane")
       .real("azimuth", &P::azimuth, "deg", -360, 360,
-            "direction in which the plane descends, or of the box's north side, clockwise from north")
-      .real("radius", &P::radius, "m", 0.01, 1e6, "of the sphere")
-      .numbers("size", &P::size, "m", 3, 0.01, 1e6, "width, length and height of the box")
-      .numbers("polygon", &P::polygon, "m", 0, -1e8, 1e8, "world x, y of each corner of the polygon in turn")
-      .real("bottom", &P::bottom, "m", -20000, 20000, "lowest world elevation of the polygon's prism")
-      .real("top", &P::top, "m", -20000, 20000, "highest world elevation of the polygon's prism");
+            "Direction in which the plane descends, or of the box's north side, clockwise from north")
+      .only("where domain is plane or box")
+      .real("radius", &P::radius, "m", 0.01, 1e6, "Radius of the sphere")
+      .only("where domain is sphere", {{"domain", std::string("sphere")}})
+      .numbers("size", &P::size, "m", 3, 0.01, 1e6, "Width, length and height of the box")
+      .only("where domain is box", {{"domain", std::string("box")}})
+      .numbers("polygon", &P::polygon, "m", 0, -1e8, 1e8, "World x, y of each corner of the polygon in turn")
+      .only("where domain is polygon", polygon)
+      .real("bottom", &P::bottom, "m", -20000, 20000, "Lowest world elevation of the prism over the polygon")
+      .only("where domain is polygon", polygon)
+      .real("top", &P::top, "m", -20000, 20000, "Highest world elevation of the prism over the polygon")
+      .only("where domain is polygon", polygon);
 }
 
 /// An open set of world positions.

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "tafoni/core/params.h"
-#include "tafoni/core/random.h"
 #include "tafoni/geology/impl/rock.h"
 
 namespace tafoni::geology::impl {
@@ -21,12 +20,17 @@ struct LocalParams {
 
 template <class P>
 void declare_local(ParamTable<P>& table) {
-  table.real("radius", &P::radius, "m", 0.01, 1e6, "distance from the skeleton at which the effect ends")
-      .real("core", &P::core, "m", 0, 1e6, "distance within which it is full")
-      .real("strength", &P::strength, "", -2, 2, "resistance added at the skeleton, negative for weak rock")
-      .real("roughness", &P::roughness, "", 0, 0.9, "share by which noise varies the radius")
-      .real("wavelength", &P::wavelength, "m", 0.1, 1e5, "size of the coarsest noise")
-      .integer("octaves", &P::octaves, "", 1, 12, "levels of detail of the noise");
+  table.real("radius", &P::radius, "m", 0.01, 1e6, "Distance from the skeleton at which the effect ends")
+      .real("core", &P::core, "m", 0, 1e6,
+            "Distance within which the effect is full; 0 for one that falls off at once")
+      .real("strength", &P::strength, "", -2, 2, "Resistance added at the skeleton; negative for weak rock")
+      .real("roughness", &P::roughness, "", 0, 0.9,
+            "Share by which noise varies the radius: 0 for a smooth border, 0.9 for a ragged one")
+      .real("wavelength", &P::wavelength, "m", 0.1, 1e5, "Size of the coarsest bulges of the border")
+      .only("where roughness is above 0")
+      .integer("octaves", &P::octaves, "", 1, 12,
+               "Levels of detail of the border, each half as large as the one before")
+      .only("where roughness is above 0");
 }
 
 /// strength g((d - core) / (reach - core)) of the distance d from the skeleton; reach is the radius perturbed
@@ -37,7 +41,7 @@ class Local final : public BatchGeology {
  public:
   Local(const LocalParams& p, Skeleton skeleton, std::uint64_t seed) : p_(p), skeleton_(std::move(skeleton)) {
     const double f = 1 / p.wavelength;
-    noise_ = {{f, f, f}, static_cast<int>(p.octaves), hash_combine(seed, 0x6c6f)};
+    noise_ = {{f, f, f}, p.octaves, seed, Stream::local};
     farthest_ = std::max(p.radius * (1 + p.roughness), p.core);
     bounds_ = skeleton_.bounds().grown(farthest_);
   }
@@ -68,7 +72,7 @@ class Local final : public BatchGeology {
  private:
   double effect(double d, float t) const {
     if (d <= p_.core) return 1;
-    const double reach = p_.radius * (1 + p_.roughness * (2.0 * static_cast<double>(t) - 1));
+    const double reach = p_.radius * (1 + p_.roughness * (2.0 * t - 1));
     return d < reach ? falloff((d - p_.core) / (reach - p_.core)) : 0;
   }
 

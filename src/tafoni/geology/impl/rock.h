@@ -8,6 +8,7 @@
 #include <numbers>
 #include <span>
 
+#include "tafoni/core/random.h"
 #include "tafoni/geology/geology.h"
 #include "tafoni/math/noise.h"
 
@@ -26,6 +27,19 @@ class BatchGeology : public Geology {
 
 inline constexpr std::size_t noise_block = 256;
 
+/// What the kinds draw noise for. The hash of a seed and a stream seeds the noise of one node.
+enum class Stream : std::uint64_t {
+  local = 0x6c6f,
+  planes = 0x706c,
+  turbulence = 0x7462,
+  strata_beds = 0x7374,
+  strata_waves = 0x7761,
+  strata_roughness = 0x726f,
+  fold_x = 0x666f,
+  fold_y = 0x6670,
+  fold_z = 0x6671
+};
+
 /// Calls body(begin, n) over blocks that fit a noise buffer.
 template <class Body>
 void for_blocks(std::size_t size, const Body& body) {
@@ -34,11 +48,17 @@ void for_blocks(std::size_t size, const Body& body) {
 
 /// t(p * frequency) of one block, with an axis left out where its frequency is 0.
 struct Turbulence {
+  Turbulence() = default;
+  Turbulence(Vec3d frequency_per_m, std::int64_t levels, std::uint64_t node_seed, Stream stream)
+      : frequency(frequency_per_m),
+        octaves(static_cast<int>(levels)),
+        seed(hash_combine(node_seed, stream)) {}
+
   Vec3d frequency;  ///< 1 / m
   int octaves = 3;
   std::uint64_t seed = 0;
 
-  /// In [0, 1].
+  /// Each in [0, 1].
   void sample(std::span<const Vec3d> world, std::span<float> t) const {
     std::array<Vec3d, noise_block> scaled;
     for (std::size_t i = 0; i < world.size(); ++i)
@@ -60,7 +80,7 @@ inline Vec3d plane_normal(double dip, double azimuth) {
   return {d.x * a.x, d.x * a.y, d.y};
 }
 
-/// The paper's g at `r` radii of influence.
+/// g at `r` radii of influence [Paris19 §4.2]: 1 at the skeleton, 0 from the radius on.
 inline double falloff(double r) {
   if (!(r < 1)) return 0;
   const double s = 1 - r * r;

@@ -1,3 +1,6 @@
+// Two rocks along a border. A block of positions is parted by the domain, and each rock is asked for its own
+// part at once.
+
 #include "tafoni/geology/impl/domain.h"
 #include "tafoni/geology/impl/rock.h"
 #include "tafoni/geology/kind.h"
@@ -66,7 +69,7 @@ const GeologyType& geology_contact() {
       .about = {.name = "contact",
                 .doc = "Two rocks side by side: the second child inside a domain, the first outside",
                 .source = "[Paris19 §4, fig. 3]",
-                .params = table().infos()},
+                .params = table()},
       .min_children = 2,
       .max_children = 3,
       .make = &make,

@@ -1,3 +1,6 @@
+// Harder or softer rock along a curve through given places. The curve is cut into straight pieces; resistance
+// falls off from the nearest of them.
+
 #include "tafoni/geology/impl/local.h"
 #include "tafoni/geology/kind.h"
 
@@ -13,8 +16,9 @@ const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     ParamTable<Params> t;
     t.numbers("position", &Params::position, "m", 0, -1e8, 1e8,
-              "world x, y, z of the places that the curve passes through, in turn")
-        .boolean("smooth", &Params::smooth, "a Catmull-Rom curve; false for straight pieces");
+              "World x, y, z of the places that the curve passes through, in turn")
+        .boolean("smooth", &Params::smooth,
+                 "Whether the places are joined by a Catmull-Rom curve; straight pieces if not");
     impl::declare_local(t);
     return t;
   }();
@@ -46,20 +50,19 @@ class Polyline {
 };
 
 /// A uniform Catmull-Rom curve in straight pieces; at its ends it runs straight on.
-std::vector<Vec3d> smoothed(const std::vector<Vec3d>& points) {
-  constexpr int pieces = 12;
-  const auto at = [&](std::size_t i, int offset) {
-    const auto k = static_cast<std::ptrdiff_t>(i) + offset,
-               last = static_cast<std::ptrdiff_t>(points.size()) - 1;
+std::vector<Vec3d> smooth_curve(const std::vector<Vec3d>& points) {
+  constexpr int pieces = 12;  // between two places
+  const std::ptrdiff_t last = std::ssize(points) - 1;
+  const auto at = [&](std::ptrdiff_t k) {
     if (k < 0) return points[0] * 2.0 - points[1];
     if (k > last) return points[last] * 2.0 - points[last - 1];
     return points[k];
   };
   std::vector<Vec3d> out;
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    const Vec3d a = at(i, -1), b = at(i, 0), c = at(i, 1), d = at(i, 2);
+  for (std::ptrdiff_t i = 0; i < last; ++i) {
+    const Vec3d a = at(i - 1), b = at(i), c = at(i + 1), d = at(i + 2);
     for (int k = 0; k < pieces; ++k) {
-      const double t = static_cast<double>(k) / pieces;
+      const double t = 1.0 * k / pieces;
       out.push_back(b + (c - a) * (0.5 * t) + (a * 2.0 - b * 5.0 + c * 4.0 - d) * (0.5 * t * t) +
                     (b * 3.0 - a - c * 3.0 + d) * (0.5 * t * t * t));
     }
@@ -72,7 +75,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
   Params p;
   assign(table().infos(), &p, values, "curve");
   std::vector<Vec3d> points = impl::triples(p.position, 2, "curve");
-  if (p.smooth) points = smoothed(points);
+  if (p.smooth) points = smooth_curve(points);
   return std::make_shared<impl::Local<Polyline>>(p, Polyline(std::move(points)), seed);
 }
 
@@ -83,7 +86,7 @@ const GeologyType& geology_curve() {
       .about = {.name = "curve",
                 .doc = "Adds resistance along a curve, or takes it away; 0 elsewhere",
                 .source = "[Paris19 §4.2]",
-                .params = table().infos()},
+                .params = table()},
       .make = &make,
   };
   return type;

@@ -1,3 +1,5 @@
+// The rock of one child, moved inside a domain: a position in there asks where its rock came from.
+
 #include "tafoni/geology/impl/domain.h"
 #include "tafoni/geology/impl/rock.h"
 #include "tafoni/geology/kind.h"
@@ -12,7 +14,8 @@ struct Params : impl::DomainParams {
 const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     ParamTable<Params> t;
-    t.numbers("throw", &Params::slip, "m", 3, -1e5, 1e5, "how far the rock inside the domain has moved");
+    t.numbers("throw", &Params::slip, "m", 3, -1e5, 1e5,
+              "How far the rock inside the domain has moved: east, north and up");
     impl::declare_domain(t);
     return t;
   }();
@@ -55,7 +58,7 @@ const GeologyType& geology_fault() {
       .about = {.name = "fault",
                 .doc = "Moves the rock of its child inside a domain; it is torn along the border",
                 .source = "[Paris19 §4.4]",
-                .params = table().infos()},
+                .params = table()},
       .min_children = 1,
       .max_children = 2,
       .make = &make,

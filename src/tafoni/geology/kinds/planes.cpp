@@ -1,6 +1,7 @@
+// Bands of rock about planes: resistance falls off from the nearest plane, and noise is added everywhere.
+
 #include <cmath>
 
-#include "tafoni/core/random.h"
 #include "tafoni/geology/impl/rock.h"
 #include "tafoni/geology/kind.h"
 
@@ -23,21 +24,26 @@ struct Params {
 const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     ParamTable<Params> t;
-    t.numbers("position", &Params::position, "m", 3, -1e8, 1e8, "a world position on the first plane")
-        .real("dip", &Params::dip, "deg", 0, 90, "steepest descent of the planes")
+    t.numbers("position", &Params::position, "m", 3, -1e8, 1e8, "World position on the first plane")
+        .real("dip", &Params::dip, "deg", 0, 90,
+              "Steepest descent of the planes: 0 for level ones, 90 for upright ones")
         .real("azimuth", &Params::azimuth, "deg", -360, 360,
-              "direction in which they descend, clockwise from north")
+              "Direction in which the planes descend, clockwise from north")
+        .only("where dip is above 0", {{"dip", 30.0}})
         .real("thickness", &Params::thickness, "m", 0.01, 10000,
-              "distance from a plane beyond which it has no effect")
+              "Distance from a plane beyond which it has no effect")
         .real("spacing", &Params::spacing, "m", 0, 100000,
-              "distance between parallel planes, 0 for one alone")
+              "Distance between parallel planes; 0 for one alone")
         .real("strength", &Params::strength, "", -1, 1,
-              "resistance added on a plane, negative for a soft band")
-        .real("base", &Params::base, "", -1, 1, "resistance everywhere")
+              "Resistance added on a plane; negative for a soft band")
+        .real("base", &Params::base, "", -1, 1, "Resistance that is everywhere")
         .real("turbulence", &Params::turbulence, "", 0, 1,
-              "greatest resistance added by small irregularities")
-        .real("wavelength", &Params::wavelength, "m", 0.1, 10000, "size of the coarsest irregularities")
-        .integer("octaves", &Params::octaves, "", 1, 12, "levels of detail of the irregularities");
+              "Most resistance that small irregularities add; 0 for none")
+        .real("wavelength", &Params::wavelength, "m", 0.1, 10000, "Size of the coarsest irregularities")
+        .only("where turbulence is above 0")
+        .integer("octaves", &Params::octaves, "", 1, 12,
+                 "Levels of detail of the irregularities, each half as large as the one before")
+        .only("where turbulence is above 0");
     return t;
   }();
   return params;
@@ -47,7 +53,7 @@ class Node final : public impl::BatchGeology {
  public:
   Node(const Params& p, std::uint64_t seed) : p_(p), normal_(impl::plane_normal(p.dip, p.azimuth)) {
     const double f = 1 / p.wavelength;
-    noise_ = {{f, f, f}, static_cast<int>(p.octaves), hash_combine(seed, 0x706c)};
+    noise_ = {{f, f, f}, p.octaves, seed, impl::Stream::planes};
   }
 
   void raws(std::span<const Vec3d> points, std::span<double> out) const override {
@@ -57,14 +63,14 @@ class Node final : public impl::BatchGeology {
       std::array<float, impl::noise_block> t;
       noise_.sample(world, std::span(t).first(n));
       for (std::size_t i = 0; i < n; ++i)
-        out[begin + i] = p_.base + p_.strength * falloff(dot(world[i] - first, normal_)) +
-                         p_.turbulence * static_cast<double>(t[i]);
+        out[begin + i] =
+            p_.base + p_.strength * effect(dot(world[i] - first, normal_)) + p_.turbulence * t[i];
     });
   }
 
  private:
-  /// g of the distance to the nearest plane.
-  double falloff(double d) const {
+  /// g of the distance to the nearest plane, of d from the first.
+  double effect(double d) const {
     // Adding and taking away this number rounds to whole ones; std::round() is a call.
     constexpr double whole = 0x1.8p52;
     if (p_.spacing > 0) d -= p_.spacing * ((d / p_.spacing + whole) - whole);
@@ -89,7 +95,7 @@ const GeologyType& geology_planes() {
       .about = {.name = "planes",
                 .doc = "Parallel bands about planes of any dip, harder or softer than the rest",
                 .source = "[Paris19 §4.2]",
-                .params = table().infos()},
+                .params = table()},
       .make = &make,
   };
   return type;

@@ -12,7 +12,7 @@ const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     ParamTable<Params> t;
     t.numbers("position", &Params::position, "m", 0, -1e8, 1e8,
-              "world x, y, z of the centre; of several centres in turn, the nearest acts");
+              "World x, y, z of the centre, or of several in turn, of which the nearest acts");
     impl::declare_local(t);
     return t;
   }();
@@ -51,7 +51,7 @@ const GeologyType& geology_sphere() {
       .about = {.name = "sphere",
                 .doc = "Adds resistance about places, or takes it away; 0 elsewhere",
                 .source = "[Paris19 §4.2]",
-                .params = table().infos()},
+                .params = table()},
       .make = &make,
   };
   return type;

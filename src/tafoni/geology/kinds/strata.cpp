@@ -1,3 +1,6 @@
+// Beds of rock, one above the other without end. A table of the beds near the first makes a look-up of the
+// one at a height fast; noise waves the beds and roughens the rock.
+
 #include <algorithm>
 #include <cmath>
 
@@ -5,6 +8,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/geology/impl/rock.h"
 #include "tafoni/geology/kind.h"
+#include "tafoni/math/smoothstep.h"
 
 namespace tafoni::geology {
 namespace {
@@ -30,40 +34,54 @@ const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     ParamTable<Params> t;
     t.numbers("thickness", &Params::thickness, "m", 0, 0.05, 10000,
-              "thicknesses of the beds from below, repeated without end")
+              "Thicknesses of the beds from below, repeated without end")
         .numbers("hardness", &Params::hardness, "", 0, 0, 1,
-                 "resistances of the beds from below, repeated without end")
-        .real("variation", &Params::variation, "", 0, 0.9, "share by which thicknesses vary at random")
+                 "Resistances of the beds from below, repeated without end; 1 for the hardest rock")
+        .real("variation", &Params::variation, "", 0, 0.9,
+              "Share by which thicknesses vary at random; 0 for beds as they are given")
         .real("hardness_variation", &Params::hardness_variation, "", 0, 1,
-              "most that a bed's resistance differs at random from what is given")
-        .real("transition", &Params::transition, "m", 0, 100, "height over which one bed turns into the next")
+              "Most that a bed's resistance differs at random from what is given")
+        .real("transition", &Params::transition, "m", 0, 100,
+              "Height over which one bed turns into the next; 0 for sharp borders")
         .real("elevation", &Params::elevation, "m", -20000, 20000,
-              "world elevation of the foot of the first bed")
-        .real("dip", &Params::dip, "deg", 0, 90, "steepest descent of the beds")
+              "World elevation of the foot of the first bed")
+        .real("dip", &Params::dip, "deg", 0, 90,
+              "Steepest descent of the beds: 0 for level ones, 90 for upright ones")
         .real("azimuth", &Params::azimuth, "deg", -360, 360,
-              "direction in which they descend, clockwise from north")
+              "Direction in which the beds descend, clockwise from north")
+        .only("where dip is above 0", {{"dip", 30.0}})
         .numbers("position", &Params::position, "m", 2, -1e8, 1e8,
-                 "world x and y where a dipping first bed has its elevation")
-        .real("waviness", &Params::waviness, "m", 0, 1000, "most that a bed rises or sinks in gentle waves")
-        .real("wave_length", &Params::wave_length, "m", 1, 100000, "length of these waves")
+                 "World x and y where the first bed has its elevation")
+        .only("where dip is above 0", {{"dip", 30.0}})
+        .real("waviness", &Params::waviness, "m", 0, 1000,
+              "Most that a bed rises or sinks in gentle waves; 0 for none")
+        .real("wave_length", &Params::wave_length, "m", 1, 100000, "Length of the gentle waves")
+        .only("where waviness is above 0")
         .real("turbulence", &Params::turbulence, "", 0, 2,
-              "strength of small irregularities, such as joints and lenses")
-        .real("wavelength", &Params::wavelength, "m", 0.1, 10000, "size of the coarsest irregularities")
-        .integer("octaves", &Params::octaves, "", 1, 12, "levels of detail of the irregularities");
+              "Strength of small irregularities, such as joints and lenses; 0 for none")
+        .real("wavelength", &Params::wavelength, "m", 0.1, 10000, "Size of the coarsest irregularities")
+        .only("where turbulence is above 0")
+        .integer("octaves", &Params::octaves, "", 1, 12,
+                 "Levels of detail of the irregularities, each half as large as the one before")
+        .only("where turbulence is above 0");
     return t;
   }();
   return params;
 }
 
-std::int64_t wrapped(std::int64_t i, std::size_t n) {
-  const auto m = static_cast<std::int64_t>(n);
-  return ((i % m) + m) % m;
+/// What the random numbers of a stack of beds are for.
+enum class Stream : std::uint64_t { hardness = 1, boundary = 2 };
+
+/// i in a cycle of n, for i below 0 too.
+std::int64_t wrap(std::int64_t i, std::int64_t n) {
+  return ((i % n) + n) % n;
 }
 
 /// Beds stacked without end; bed i lies between boundaries i and i + 1. Distances are along the normal.
 class Stack {
  public:
-  Stack(const Params& p, std::uint64_t seed) : p_(p), hardness_(seed, 1), boundary_(seed, 2) {
+  Stack(const Params& p, std::uint64_t seed)
+      : p_(p), hardness_(seed, Stream::hardness), boundary_(seed, Stream::boundary) {
     for (double t : p.thickness) {
       feet_.push_back(cycle_);
       cycle_ += t;
@@ -80,7 +98,7 @@ class Stack {
     while (d >= known_[i + 1].foot) ++i;
     // The nearer boundary without a branch: for scattered points no guess of it is good.
     const std::size_t j = i + (d - known_[i].foot < known_[i + 1].foot - d ? 0 : 1);
-    return mixed(known_[j - 1], known_[j], d);
+    return mix(known_[j - 1], known_[j], d);
   }
 
  private:
@@ -113,7 +131,7 @@ class Stack {
   double beyond(double d) const {
     const double turns = std::floor(d / cycle_);
     const double rest = d - turns * cycle_;
-    std::int64_t i = static_cast<std::int64_t>(turns) * static_cast<std::int64_t>(feet_.size());
+    std::int64_t i = static_cast<std::int64_t>(turns) * std::ssize(feet_);
     for (std::size_t k = 1; k < feet_.size() && rest >= feet_[k]; ++k) ++i;
     Bed bed = get(i), above = get(i + 1);
     if (d < bed.foot) {
@@ -123,20 +141,19 @@ class Stack {
       bed = above;
       above = get(++i + 1);
     }
-    if (d - bed.foot < above.foot - d) return mixed(get(i - 1), bed, d);
-    return mixed(bed, above, d);
+    if (d - bed.foot < above.foot - d) return mix(get(i - 1), bed, d);
+    return mix(bed, above, d);
   }
 
   Bed get(std::int64_t i) const {
     const std::int64_t k = i + known_beds / 2;
-    return k >= 0 && k < known_beds ? known_[static_cast<std::size_t>(k)] : make(i);
+    return k >= 0 && k < known_beds ? known_[k] : make(i);
   }
 
   Bed make(std::int64_t i) const {
-    const std::int64_t k = wrapped(i, feet_.size());
-    const std::int64_t turns = (i - k) / static_cast<std::int64_t>(feet_.size());
+    const std::int64_t k = wrap(i, std::ssize(feet_)), turns = (i - k) / std::ssize(feet_);
     const double thinner = std::min(thickness(i - 1), thickness(i));
-    const double given = p_.hardness[wrapped(i, p_.hardness.size())];
+    const double given = p_.hardness[wrap(i, std::ssize(p_.hardness))];
     // A boundary moves by less than half of the thinner neighbour and so does its transition reach, so that
     // boundaries keep their order and transitions do not overlap.
     return {
@@ -145,13 +162,12 @@ class Stack {
         std::clamp(given + p_.hardness_variation * unit(hardness_, i), 0.0, 1.0)};
   }
 
-  double thickness(std::int64_t i) const { return p_.thickness[wrapped(i, p_.thickness.size())]; }
+  double thickness(std::int64_t i) const { return p_.thickness[wrap(i, std::ssize(p_.thickness))]; }
 
-  static double mixed(const Bed& below, const Bed& above, double d) {
+  static double mix(const Bed& below, const Bed& above, double d) {
     const double from = d - above.foot, half = above.softness;
     if (half == 0) return from >= 0 ? above.rho : below.rho;
-    const double s = std::clamp((from + half) / (2 * half), 0.0, 1.0);
-    const double w = s * s * (3 - 2 * s);
+    const double w = smoothstep(std::clamp((from + half) / (2 * half), 0.0, 1.0));
     return below.rho * (1 - w) + above.rho * w;
   }
 
@@ -172,11 +188,13 @@ class Stack {
 class Node final : public impl::BatchGeology {
  public:
   Node(const Params& p, std::uint64_t seed)
-      : p_(p), normal_(impl::plane_normal(p.dip, p.azimuth)), stack_(p, hash_combine(seed, 0x7374)) {
+      : p_(p),
+        normal_(impl::plane_normal(p.dip, p.azimuth)),
+        stack_(p, hash_combine(seed, impl::Stream::strata_beds)) {
     const double wave = 1 / p.wave_length, f = 1 / p.wavelength;
-    waves_ = {{wave, wave, 0}, 2, hash_combine(seed, 0x7761)};
+    waves_ = {{wave, wave, 0}, wave_octaves, seed, impl::Stream::strata_waves};
     // Joints and lenses are longer than high.
-    rough_ = {{0.5 * f, 0.5 * f, f}, static_cast<int>(p.octaves), hash_combine(seed, 0x726f)};
+    rough_ = {{flatness * f, flatness * f, f}, p.octaves, seed, impl::Stream::strata_roughness};
   }
 
   void raws(std::span<const Vec3d> points, std::span<double> out) const override {
@@ -187,14 +205,15 @@ class Node final : public impl::BatchGeology {
       if (p_.waviness > 0) waves_.sample(world, std::span(wave).first(n));
       if (p_.turbulence > 0) rough_.sample(world, std::span(rough).first(n));
       for (std::size_t i = 0; i < n; ++i) {
-        const double d =
-            dot(world[i] - pivot, normal_) + p_.waviness * (2.0 * static_cast<double>(wave[i]) - 1);
-        out[begin + i] = stack_.at(d) + p_.turbulence * (2.0 * static_cast<double>(rough[i]) - 1);
+        const double d = dot(world[i] - pivot, normal_) + p_.waviness * (2.0 * wave[i] - 1);
+        out[begin + i] = stack_.at(d) + p_.turbulence * (2.0 * rough[i] - 1);
       }
     });
   }
 
  private:
+  static constexpr int wave_octaves = 2;   // beds bend gently
+  static constexpr double flatness = 0.5;  // height of joints and lenses as a share of their length
   Params p_;
   Vec3d normal_;
   Stack stack_;
@@ -216,7 +235,7 @@ const GeologyType& geology_strata() {
       .about = {.name = "strata",
                 .doc = "Beds of hard and soft rock, one above the other",
                 .source = "[Paris19 §4.2], as a sequence of beds",
-                .params = table().infos()},
+                .params = table()},
       .make = &make,
   };
   return type;

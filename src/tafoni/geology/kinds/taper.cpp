@@ -1,3 +1,6 @@
+// Beds that thin out or swell about a place: a position asks the child at the elevation that its rock had
+// before.
+
 #include "tafoni/geology/impl/rock.h"
 #include "tafoni/geology/kind.h"
 
@@ -14,12 +17,14 @@ struct Params {
 const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     ParamTable<Params> t;
-    t.numbers("position", &Params::position, "m", 3, -1e8, 1e8, "world position where beds are thinnest")
-        .real("radius", &Params::radius, "m", 0.01, 1e6, "horizontal distance at which beds are unchanged")
+    t.numbers("position", &Params::position, "m", 3, -1e8, 1e8,
+              "World position where the beds are thinnest, or thickest")
+        .real("radius", &Params::radius, "m", 0.01, 1e6,
+              "Horizontal distance from the position at which the beds are as they were")
         .real("height", &Params::height, "m", 0.01, 1e5,
-              "beds that lay up to this far above and below are compressed, those beyond only follow")
+              "How far above and below the position beds are compressed; those beyond only follow")
         .real("ratio", &Params::ratio, "", 0.02, 50,
-              "thickness of beds at the position to their own; above 1 they swell");
+              "Thickness of the beds at the position as a share of their own; above 1 they swell");
     return t;
   }();
   return params;
@@ -66,7 +71,7 @@ const GeologyType& geology_taper() {
       .about = {.name = "taper",
                 .doc = "Compresses or swells the beds of its child about a place",
                 .source = "[Paris19 §4.3]",
-                .params = table().infos()},
+                .params = table()},
       .min_children = 1,
       .max_children = 1,
       .make = &make,

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/geology/test/rocks.h"
 
 namespace tafoni::geology {
@@ -88,14 +88,7 @@ TEST(Domain, FieldIsWhereTheLastChildIsAboveAHalf) {
 }
 
 TEST(Domain, SaysWhatIsWrongWithAPolygon) {
-  const auto error = [](Values values) {
-    try {
-      inside(with("polygon", std::move(values)));
-    } catch (const Error& e) {
-      return std::string(e.what());
-    }
-    return std::string();
-  };
+  const auto error = [](const Values& values) { return error_of([&] { inside(with("polygon", values)); }); };
   EXPECT_EQ(error({}), "contact: polygon has 0 numbers, but needs x, y of three corners or more");
   EXPECT_EQ(error({{"polygon", std::vector<double>{0, 0, 1, 0, 1, 1, 4}}}),
             "contact: polygon has 7 numbers, but needs x, y of three corners or more");

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/effects.h"
 
 namespace tafoni::geology {
 namespace {
@@ -55,13 +57,34 @@ TEST_P(EveryKind, IsDeclaredInFull) {
   const GeologyType& type = *GetParam();
   EXPECT_EQ(&find_geology(type.about.name), &type);
   EXPECT_FALSE(type.about.doc.empty());
-  EXPECT_THAT(type.about.source, HasSubstr("section"));
+  EXPECT_THAT(type.about.source, testing::StartsWith("[Paris19 §4"));
   EXPECT_LE(type.min_children, type.max_children);
   for (const ParamInfo& info : type.about.params) {
     EXPECT_FALSE(info.doc.empty()) << info.name;
     EXPECT_NE(info.doc.back(), '.') << info.name;
     EXPECT_EQ(checked(info, info.init, type.about.name), info.init) << info.name;
   }
+}
+
+TEST_P(EveryKind, EveryParameterDoesSomething) {
+  const GeologyType& type = *GetParam();
+  auto points = cloud_of_points(600, 12);
+  for (std::size_t i = 0; i < points.size() / 2; ++i) points[i] = points[i] * 0.1;
+  const auto make = [&](const Values& values) -> std::optional<std::vector<float>> {
+    const auto domain = values.find("domain");
+    const bool field = domain != values.end() && domain->second == Value(std::string("field"));
+    std::vector<GeologyPtr> children;
+    for (std::size_t i = 0; i < type.min_children + (field ? 1 : 0); ++i)
+      children.push_back(make_geology("turbulence", {}, {}, {}, 20 + i));
+    std::vector<float> rho(points.size());
+    try {
+      make_geology(type.about.name, values, children, {}, 9)->resistances(points, rho);
+    } catch (const Error&) {
+      return std::nullopt;  // a top that is not above the bottom
+    }
+    return rho;
+  };
+  for (const ParamInfo& info : type.about.params) EXPECT_TRUE(has_effect(info, {}, make)) << info.name;
 }
 
 TEST_P(EveryKind, ManyPointsGiveWhatOneByOneGives) {
@@ -128,8 +151,10 @@ INSTANTIATE_TEST_SUITE_P(Registry, EveryKind,
                          [](const auto& tested) { return tested.param->about.name; });
 
 TEST(Kind, UnknownNameGetsTheNearest) {
-  EXPECT_EQ(error_of([] { find_geology("starta"); }), "unknown geology \"starta\"; did you mean \"strata\"?");
-  EXPECT_THAT(error_of([] { find_geology("granite"); }), HasSubstr("known are blend, "));
+  EXPECT_EQ(error_of([] { find_geology("starta"); }),
+            "there is no geology \"starta\"; did you mean \"strata\"?");
+  EXPECT_THAT(error_of([] { find_geology("granite"); }),
+              HasSubstr("there is no geology \"granite\"; known are blend, "));
 }
 
 TEST(Kind, SaysHowManyChildrenItTakes) {

@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/geology/kind.h"
 #include "tafoni/math/noise.h"
 
@@ -110,8 +110,14 @@ TEST(Strata, BedsDipTowardsTheAzimuth) {
 }
 
 TEST(Strata, NeedsABed) {
-  EXPECT_THROW(make_geology("strata", {{"thickness", std::vector<double>{}}}, {}, none, 0), Error);
-  EXPECT_THROW(make_geology("strata", {{"hardness", std::vector<double>{}}}, {}, none, 0), Error);
+  EXPECT_EQ(error_of([&] {
+              make_geology("strata", {{"thickness", std::vector<double>{}}}, {}, none, 0);
+            }),
+            "strata: thickness must name at least one bed");
+  EXPECT_EQ(error_of([&] {
+              make_geology("strata", {{"hardness", std::vector<double>{}}}, {}, none, 0);
+            }),
+            "strata: hardness must name at least one bed");
 }
 
 TEST(Planes, FallOffFromThePlane) {

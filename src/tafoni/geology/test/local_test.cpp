@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/geology/test/rocks.h"
 
 namespace tafoni::geology {
@@ -87,13 +87,8 @@ TEST(Curve, SmoothCurvesPassThroughTheirPlacesWithoutCorners) {
 }
 
 TEST(Curve, SaysWhatIsWrongWithItsPlaces) {
-  const auto error = [](const char* kind, std::vector<double> numbers) {
-    try {
-      make_geology(kind, {{"position", std::move(numbers)}}, {}, {}, 0);
-    } catch (const Error& e) {
-      return std::string(e.what());
-    }
-    return std::string();
+  const auto error = [](const char* kind, const std::vector<double>& numbers) {
+    return error_of([&] { make_geology(kind, {{"position", numbers}}, {}, {}, 0); });
   };
   EXPECT_EQ(error("curve", {1, 2, 3}),
             "curve: position has 3 numbers, but needs x, y, z of 2 places or more");

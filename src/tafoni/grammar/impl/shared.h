@@ -12,7 +12,7 @@ inline constexpr double least_size = 1e-3, greatest_size = 1e4;  // metres
 
 /// A solid whose sizes are its members.
 template <class S>
-SolidPtr made(const std::vector<ParamInfo>& infos, const Values& sizes, std::string_view name) {
+SolidPtr make_solid(const std::vector<ParamInfo>& infos, const Values& sizes, std::string_view name) {
   auto solid = std::make_shared<S>();
   assign(infos, solid.get(), sizes, name);
   return solid;
@@ -24,12 +24,12 @@ inline std::vector<Bond> six_sides(Vec3d half) {
           {{0, -half.y, 0}, {0, -1, 0}}, {{0, 0, half.z}, {0, 0, 1}},   {{0, 0, -half.z}, {0, 0, -1}}};
 }
 
-inline Box3d centered(Vec3d half) {
+inline Box3d box_about_middle(Vec3d half) {
   return {-half, half};
 }
 
 /// std::hypot without its care for numbers near the ends of double's range, which costs more than the solids.
-inline double norm(double a, double b) {
+inline double length_of(double a, double b) {
   return std::sqrt(a * a + b * b);
 }
 

@@ -1,3 +1,6 @@
+// An upright cone, whole or cut off. By symmetry its distance is that of a trapezium in the half plane of
+// radius and height.
+
 #include "tafoni/grammar/impl/shared.h"
 
 namespace tafoni::grammar {
@@ -7,17 +10,17 @@ struct Cone final : Solid {
   double base = 1, tip = 0, height = 2;
 
   double distance(Vec3d p) const override {
-    const double r = impl::norm(p.x, p.y), half = height / 2;
+    const double r = impl::length_of(p.x, p.y), half = height / 2;
     const double off_side = (height * (r - base) + (base - tip) * (p.z + half)) /
-                            impl::norm(height, base - tip);  // positive outside
+                            impl::length_of(height, base - tip);  // positive outside
     if (std::abs(p.z) <= half && off_side <= 0) return std::min(half - std::abs(p.z), -off_side);
-    const double to_ends = std::min(impl::norm(std::max(r - base, 0.0), p.z + half),
-                                    impl::norm(std::max(r - tip, 0.0), p.z - half));
+    const double to_ends = std::min(impl::length_of(std::max(r - base, 0.0), p.z + half),
+                                    impl::length_of(std::max(r - tip, 0.0), p.z - half));
     return -std::min(to_ends, impl::to_segment({r, 0, p.z}, {base, 0, -half}, {tip, 0, half}));
   }
   Box3d bounds() const override {
     const double wide = std::max(base, tip);
-    return impl::centered({wide, wide, height / 2});
+    return impl::box_about_middle({wide, wide, height / 2});
   }
   std::vector<Bond> bonds() const override {
     std::vector<Bond> out = impl::six_sides({(base + tip) / 2, (base + tip) / 2, height / 2});
@@ -33,10 +36,10 @@ struct Cone final : Solid {
 const std::vector<ParamInfo>& table() {
   static const std::vector<ParamInfo> params =
       ParamTable<Cone>()
-          .real("base", &Cone::base, "m", impl::least_size, impl::greatest_size, "radius of its lower end")
-          .real("tip", &Cone::tip, "m", 0, impl::greatest_size, "radius of its upper end; 0 for a point")
+          .real("base", &Cone::base, "m", impl::least_size, impl::greatest_size, "Radius of its lower end")
+          .real("tip", &Cone::tip, "m", 0, impl::greatest_size, "Radius of its upper end; 0 for a point")
           .real("height", &Cone::height, "m", impl::least_size, impl::greatest_size,
-                "from end to end, along z");
+                "Height from end to end, along z");
   return params;
 }
 
@@ -46,11 +49,10 @@ const SolidType& solid_cone() {
   static const SolidType type{
       .about = {.name = "cone",
                 .doc = "An upright cone, whole or cut off; bonds in the middles of its ends and on four "
-                       "sides; a point's has "
-                       "no direction",
+                       "sides; that of a point has no direction",
                 .source = "[Zawadzki §2.1]",
                 .params = table()},
-      .make = [](const Values& sizes) { return impl::made<Cone>(table(), sizes, "cone"); },
+      .make = [](const Values& sizes) { return impl::make_solid<Cone>(table(), sizes, "cone"); },
       .fit =
           [](Vec3d half) {
             return Values{{"base", std::min(half.x, half.y)}, {"tip", 0.0}, {"height", 2 * half.z}};

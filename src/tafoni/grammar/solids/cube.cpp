@@ -12,16 +12,16 @@ struct Cube final : Solid {
     const Vec3d out{std::max(q.x, 0.0), std::max(q.y, 0.0), std::max(q.z, 0.0)};
     return -length(out) - std::min(std::max({q.x, q.y, q.z}), 0.0);
   }
-  Box3d bounds() const override { return impl::centered(half()); }
+  Box3d bounds() const override { return impl::box_about_middle(half()); }
   std::vector<Bond> bonds() const override { return impl::six_sides(half()); }
 };
 
 const std::vector<ParamInfo>& table() {
   static const std::vector<ParamInfo> params =
       ParamTable<Cube>()
-          .real("hx", &Cube::hx, "m", impl::least_size, impl::greatest_size, "half its width along x")
-          .real("hy", &Cube::hy, "m", impl::least_size, impl::greatest_size, "half its width along y")
-          .real("hz", &Cube::hz, "m", impl::least_size, impl::greatest_size, "half its height");
+          .real("hx", &Cube::hx, "m", impl::least_size, impl::greatest_size, "Half its width along x")
+          .real("hy", &Cube::hy, "m", impl::least_size, impl::greatest_size, "Half its width along y")
+          .real("hz", &Cube::hz, "m", impl::least_size, impl::greatest_size, "Half its height");
   return params;
 }
 
@@ -33,7 +33,7 @@ const SolidType& solid_cube() {
                 .doc = "A cuboid; bonds in the middles of its six faces",
                 .source = "[Zawadzki §2.5, fig. 6]",
                 .params = table()},
-      .make = [](const Values& sizes) { return impl::made<Cube>(table(), sizes, "cube"); },
+      .make = [](const Values& sizes) { return impl::make_solid<Cube>(table(), sizes, "cube"); },
       .fit =
           [](Vec3d half) {
             return Values{{"hx", half.x}, {"hy", half.y}, {"hz", half.z}};

@@ -1,3 +1,5 @@
+// An ellipsoid by its true distance: Newton's steps find the nearest point of the surface.
+
 #include "tafoni/grammar/impl/shared.h"
 
 namespace tafoni::grammar {
@@ -19,7 +21,7 @@ struct Ellipsoid final : Solid {
       t = std::max(t, a[i] * q[i] - a[i] * a[i]);
       inside += q[i] * q[i] / (a[i] * a[i]);
     }
-    constexpr int most = 100;
+    constexpr int most = 100;  // steps; a few are enough but right beside a pole
     for (int step = 0; step < most; ++step) {
       double f = -1, slope = 0;
       for (int i = 0; i < 3; ++i) {
@@ -39,16 +41,16 @@ struct Ellipsoid final : Solid {
     }
     return inside < 1 ? std::sqrt(square) : -std::sqrt(square);
   }
-  Box3d bounds() const override { return impl::centered(half()); }
+  Box3d bounds() const override { return impl::box_about_middle(half()); }
   std::vector<Bond> bonds() const override { return impl::six_sides(half()); }
 };
 
 const std::vector<ParamInfo>& table() {
   static const std::vector<ParamInfo> params =
       ParamTable<Ellipsoid>()
-          .real("hx", &Ellipsoid::hx, "m", impl::least_size, impl::greatest_size, "half its width along x")
-          .real("hy", &Ellipsoid::hy, "m", impl::least_size, impl::greatest_size, "half its width along y")
-          .real("hz", &Ellipsoid::hz, "m", impl::least_size, impl::greatest_size, "half its height");
+          .real("hx", &Ellipsoid::hx, "m", impl::least_size, impl::greatest_size, "Half its width along x")
+          .real("hy", &Ellipsoid::hy, "m", impl::least_size, impl::greatest_size, "Half its width along y")
+          .real("hz", &Ellipsoid::hz, "m", impl::least_size, impl::greatest_size, "Half its height");
   return params;
 }
 
@@ -60,7 +62,7 @@ const SolidType& solid_ellipsoid() {
                 .doc = "An ellipsoid, by its true distance; bonds at its six poles",
                 .source = "[Zawadzki §2.1]",
                 .params = table()},
-      .make = [](const Values& sizes) { return impl::made<Ellipsoid>(table(), sizes, "ellipsoid"); },
+      .make = [](const Values& sizes) { return impl::make_solid<Ellipsoid>(table(), sizes, "ellipsoid"); },
       .fit =
           [](Vec3d half) {
             return Values{{"hx", half.x}, {"hy", half.y}, {"hz", half.z}};

@@ -16,7 +16,7 @@ const SolidType& solid_empty() {
       .about = {.name = "empty",
                 .doc = "Nothing: what a grammar begins with, and what ends a branch of it",
                 .source = "[Zawadzki §2.1]"},
-      .make = [](const Values& sizes) { return impl::made<Empty>({}, sizes, "empty"); },
+      .make = [](const Values& sizes) { return impl::make_solid<Empty>({}, sizes, "empty"); },
       .fit = [](Vec3d) { return Values{}; },
   };
   return type;

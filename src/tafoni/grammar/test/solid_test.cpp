@@ -4,17 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/effects.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/field/function.h"
 #include "tafoni/grammar/leaf.h"
 
 namespace tafoni::grammar {
 namespace {
+
+using testing::HasSubstr;
 
 Vec3d place(Random& random, const Box3d& box) {
   return {random.uniform(box.lo.x, box.hi.x), random.uniform(box.lo.y, box.hi.y),
@@ -46,9 +51,28 @@ TEST_P(EverySolid, IsDocumented) {
     EXPECT_FALSE(info.doc.empty()) << info.name;
     EXPECT_EQ(info.unit, "m") << info.name;
     EXPECT_NO_THROW(checked(info, info.init, type.about.name)) << info.name;
-    EXPECT_THROW(type.make({{info.name, -1.0}}), Error) << info.name;
+    EXPECT_THAT(error_of([&] {
+                  type.make({{info.name, -1.0}});
+                }),
+                HasSubstr(type.about.name + ": " + info.name + " = -1 is outside "));
   }
-  EXPECT_THROW(type.make({{"colour", 1.0}}), Error);
+  EXPECT_THAT(error_of([&] {
+                type.make({{"colour", 1.0}});
+              }),
+              HasSubstr(type.about.name + ": unknown parameter \"colour\""));
+}
+
+TEST_P(EverySolid, EverySizeDoesSomething) {
+  Random random(7);
+  std::vector<Vec3d> points(100);
+  for (Vec3d& p : points) p = place(random, {{-6, -6, -6}, {6, 6, 6}});
+  const auto make = [&](const Values& sizes) {
+    const SolidPtr s = GetParam()->make(sizes);
+    std::vector<double> distances;
+    for (const Vec3d& p : points) distances.push_back(s->distance(p));
+    return std::optional(distances);
+  };
+  for (const ParamInfo& info : GetParam()->about.params) EXPECT_TRUE(has_effect(info, {}, make)) << info.name;
 }
 
 TEST_P(EverySolid, ChangesNoFasterThanTheWay) {
@@ -173,7 +197,7 @@ TEST(Solid, AnUnknownNameGetsTheNearestKnown) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::usage);
-    EXPECT_THAT(error.what(), testing::HasSubstr("\"pyramid\""));
+    EXPECT_THAT(error.what(), testing::StrEq("there is no solid \"pyramidd\"; did you mean \"pyramid\"?"));
   }
 }
 

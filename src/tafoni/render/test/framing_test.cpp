@@ -1,15 +1,18 @@
 #include <cmath>
 #include <numbers>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/render/render.h"
 #include "tafoni/render/test/shapes.h"
 
 namespace tafoni::render {
 namespace {
+
+using testing::HasSubstr;
 
 constexpr double pi = std::numbers::pi;
 
@@ -114,7 +117,8 @@ TEST(FrameInside, KeepsTheGivenEyeAndRefusesOpenGround) {
   const mesh::Mesh mesh = block_with_corridor();
   const Vec3d eye{985, 2001, 303};
   EXPECT_NEAR(length(Scene(mesh).frame_inside({}, eye).eye - eye), 0, 1e-3);
-  EXPECT_THROW(Scene(terrain(30, 1)).frame_inside({}), Error);
+  EXPECT_THAT(error_of([&] { Scene(terrain(30, 1)).frame_inside({}); }),
+              HasSubstr("there is no inside to look at"));
 }
 
 TEST(Frame, WhatLiesBelowTheSeaNeedsNoRoom) {
@@ -133,7 +137,7 @@ TEST(Frame, WhatLiesBelowTheSeaNeedsNoRoom) {
 }
 
 TEST(Frame, RefusesAnEmptyMesh) {
-  EXPECT_THROW(Scene(mesh::Mesh{}), Error);
+  EXPECT_THAT(error_of([&] { Scene(mesh::Mesh{}); }), HasSubstr("has no triangles"));
 }
 
 }  // namespace

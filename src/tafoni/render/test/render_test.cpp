@@ -2,14 +2,17 @@
 
 #include <cmath>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/render/test/shapes.h"
 
 namespace tafoni::render {
 namespace {
+
+using testing::HasSubstr;
 
 constexpr std::array<std::uint8_t, 4> grey{90, 90, 90, 255}, red{160, 20, 20, 255};
 
@@ -203,16 +206,17 @@ TEST(Render, RefusesCamerasAndSizesThatMakeNoPicture) {
   const Camera camera = scene.frame(small());
   RenderSettings settings = small();
   settings.width = 0;
-  EXPECT_THROW(scene.render(camera, settings), Error);
+  EXPECT_THAT(error_of([&] { scene.render(camera, settings); }), HasSubstr("A picture of 0 x"));
   settings = small();
   settings.samples = 0;
-  EXPECT_THROW(scene.render(camera, settings), Error);
+  EXPECT_THAT(error_of([&] { scene.render(camera, settings); }),
+              HasSubstr("0 samples a pixel cannot be drawn"));
   Camera blind = camera;
   blind.target = blind.eye;
-  EXPECT_THROW(scene.render(blind, small()), Error);
+  EXPECT_THAT(error_of([&] { scene.render(blind, small()); }), HasSubstr("eye and target must differ"));
   blind = camera;
   blind.fov = 4;
-  EXPECT_THROW(scene.render(blind, small()), Error);
+  EXPECT_THAT(error_of([&] { scene.render(blind, small()); }), HasSubstr("the angle of view be 0.06 to 177"));
   Camera down = camera;
   down.target = down.eye - Vec3d{0, 0, 5};
   EXPECT_NO_THROW(scene.render(down, small()));
@@ -225,7 +229,7 @@ TEST(Render, CanBeCancelled) {
     }
   } progress;
   const mesh::Mesh mesh = terrain(10, 1);
-  EXPECT_THROW(render(mesh, {}, small(), progress), Error);
+  EXPECT_EQ(error_of([&] { render(mesh, {}, small(), progress); }), "cancelled");
 }
 
 }  // namespace

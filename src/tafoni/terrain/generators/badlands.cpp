@@ -1,17 +1,20 @@
 // An amphitheatre of badlands below the rim of a plateau: fins between gullies, ledges of hard beds that run
-// from fin to fin, aprons of debris, a wash that leaves to the south.
+// from fin to fin, aprons of debris, a wash that leaves to the south. A bowl is worn by stream power and by
+// slides on a coarse grid; hard beds and small relief are added to every pixel of it.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
-#include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/math/smoothstep.h"
 #include "tafoni/raster/resample.h"
 #include "tafoni/terrain/analysis.h"
 #include "tafoni/terrain/generator.h"
 #include "tafoni/terrain/impl/plane_noise.h"
+#include "tafoni/terrain/impl/rows.h"
 #include "tafoni/terrain/impl/stencil.h"
 
 namespace tafoni::terrain {
@@ -38,29 +41,55 @@ const ParamTable<Badlands>& table() {
   static const ParamTable<Badlands> params = [] {
     ParamTable<Badlands> t;
     add_grid_params(t);
-    t.real("relief", &Badlands::relief, "m", 1, 2000, "height of the plateau above the floor")
-        .real("bowl", &Badlands::bowl, "", 0.1, 1, "depth of the amphitheatre, as a share of the map")
-        .real("slope", &Badlands::slope, "deg", 5, 70, "steepness of the amphitheatre before gullies cut it")
-        .real("fins", &Badlands::fins, "m", 2, 1000, "distance from fin to fin")
-        .real("incision", &Badlands::incision, "", 0, 5, "how deeply water has cut, 0 for not at all")
-        .real("bed", &Badlands::bed, "m", 0.5, 500, "mean thickness of the beds")
-        .real("ledges", &Badlands::ledges, "", 0, 0.9, "how far hard beds stand out")
-        .real("roughness", &Badlands::roughness, "", 0, 4, "strength of small relief");
+    t.real("relief", &Badlands::relief, "m", 1, 2000, "Height of the plateau above the floor of the bowl")
+        .real("bowl", &Badlands::bowl, "", 0.1, 1,
+              "How far the amphitheatre reaches into the map, as a share of it from the south")
+        .real("slope", &Badlands::slope, "deg", 5, 70,
+              "Steepness of the amphitheatre before gullies cut it: little for a long apron, much for a wall")
+        .real("fins", &Badlands::fins, "m", 2, 1000, "Distance from fin to fin")
+        .real("incision", &Badlands::incision, "", 0, 5,
+              "How deeply water has cut; 0 for not at all, and little remains between gullies at 5")
+        .real("bed", &Badlands::bed, "m", 0.5, 500, "Mean thickness of the beds")
+        .real("ledges", &Badlands::ledges, "", 0, 0.9,
+              "How far hard beds stand out as ledges; 0 for even slopes")
+        .real("roughness", &Badlands::roughness, "", 0, 4,
+              "Strength of small relief: 0 for smooth ground, 4 for rubble");
     return t;
   }();
   return params;
 }
 
-double smooth(double t) {
-  t = std::clamp(t, 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
+enum class Stream : std::uint64_t { bays = 1, hills = 2, grooves = 3, waves = 4, rocks = 5, beds = 21 };
+
+/// Chosen by eye after photographs of badlands; metres where nothing else is said.
+namespace look {
+constexpr double bay_size = 0.45, bay_depth = 0.12;  // of the map: bays of the rim
+constexpr double hill_size = 3, hill_relief = 0.03;  // in fins; as a share of the relief
+constexpr double groove_depth = 0.09;                // of a fin: where gullies begin
+constexpr double reach = 0.86;                       // of the bowl: where the rim is before bays
+constexpr double squeeze = 1.25;                     // the bowl is narrower than it is deep
+constexpr double rim_run = 0.06, rim_share = 0.15;  // the cliff at the rim: of the slope's run; of its height
+constexpr double flattening = 1.5;                  // how fast the slope below flattens out
+constexpr double floor_slope = 0.045, plateau_slope = 0.04;  // rises to the north that let water drain
+constexpr double calm = 0.35;                                // share of small relief that the plateau has
+constexpr double source = 0.12;                         // of a fin squared: area that feeds no channel yet
+constexpr double cutting = 0.075;                       // of a step, for a map of the default size
+constexpr double hardness = 0.5, bed_cycle = 3;         // how much beds differ; beds from hard to hard
+constexpr double steepest = 2.2;                        // rise over run that rock can stand
+constexpr double creep = 0.02, most_creep = 0.12;       // rain wears gentle ground; more would swing
+constexpr double gentle = 0.8;                          // rise over run that is not worn so
+constexpr double shed = 0.05;                           // share of what is too steep that falls in a step
+constexpr double bare_from = 0.3, bare_run = 0.5;       // slopes at which beds begin to show, and do in full
+constexpr double wave_size = 6, wave_height = 0.5;      // in fins; of a bed: beds are not quite level
+constexpr double rock_size = 0.35, rock_height = 0.06;  // in fins: rubble
+constexpr double rock_debris = 0.1, rock_bare = 0.45;   // rubble of covered ground, and more where it is bare
+}  // namespace look
 
 /// Heights before and after hard beds have been left standing: steep over a hard bed, gentle over a soft one.
 class Beds {
  public:
   Beds(double thickness, double ledges, double top, std::uint64_t seed) {
-    Random random(seed, 21);
+    Random random(seed, Stream::beds);
     double from = -2 * thickness, to = from;
     bool hard = false;
     while (from < top + 2 * thickness) {
@@ -95,7 +124,7 @@ class Builder {
   Builder(const Badlands& p, std::uint64_t seed)
       : p_(p),
         seed_(seed),
-        extent_{static_cast<double>(p.width) * p.pixel, static_cast<double>(p.height) * p.pixel},
+        extent_(p.extent()),
         cell_(std::max(p.pixel, std::max(p.fins / 10, std::max(extent_.x, extent_.y) / 260))) {}
 
   raster::Raster run(Progress& progress) {
@@ -107,15 +136,11 @@ class Builder {
       progress.advance();
     }
     progress.end();
-    raster::Raster out;
-    out.placement = {0, extent_.y, p_.pixel, p_.pixel};
-    out.values = raster::Grid<float>(static_cast<int>(p_.width), static_cast<int>(p_.height));
-    refine(coarse, out, progress);
-    return out;
+    return refine(coarse, progress);
   }
 
  private:
-  static constexpr int steps = 24;
+  static constexpr int steps = 24;  // of erosion; more would cost time and change little
 
   /// The plateau with its bowl, as it was before water cut it.
   raster::Raster valley() const {
@@ -128,25 +153,28 @@ class Builder {
     for (int row = 0; row < rows; ++row)
       for (int col = 0; col < columns; ++col) at.push_back(out.placement.center(col, row));
     const double size = std::min(extent_.x, extent_.y);
-    const auto bays = PlaneNoise(0.45 * size, 3, hash_combine(seed_, 1)).at(at);
-    const auto hills = PlaneNoise(3 * p_.fins, 3, hash_combine(seed_, 2)).at(at);
-    const auto grooves = PlaneNoise(p_.fins, 2, hash_combine(seed_, 3)).at(at);
-    const double run = p_.relief / std::tan(p_.slope * 3.14159265358979323846 / 180);
+    const auto bays = PlaneNoise(look::bay_size * size, 3, seed_, Stream::bays).at(at);
+    const auto hills = PlaneNoise(look::hill_size * p_.fins, 3, seed_, Stream::hills).at(at);
+    const auto grooves = PlaneNoise(p_.fins, 2, seed_, Stream::grooves).at(at);
+    const double run = p_.relief / std::tan(p_.slope * std::numbers::pi / 180);
     const Vec2d middle{0.5 * extent_.x, extent_.y * (1 - p_.bowl)};
     for (std::size_t i = 0; i < at.size(); ++i) {
       // Inside: the distance from the rim, which opens to the south.
       const double dx = at[i].x - middle.x, dy = std::max(at[i].y - middle.y, 0.0);
-      const double reach = extent_.y * p_.bowl * 0.86 + 0.12 * size * bays[i];
-      const double inside = reach - std::hypot(dx * extent_.y / extent_.x * 1.25, dy);
+      const double reach = extent_.y * p_.bowl * look::reach + look::bay_depth * size * bays[i];
+      const double inside = reach - std::hypot(dx * extent_.y / extent_.x * look::squeeze, dy);
       const double t = inside / run;
       // A cliff at the rim, then a slope that flattens out.
-      const double fall =
-          t <= 0 ? 0 : 0.15 * smooth(t / 0.06) + 0.85 * (1 - std::exp(-1.5 * t)) / (1 - std::exp(-1.5));
-      const double floor = 0.045 * at[i].y;
-      const double plateau = p_.relief * (1 + 0.04 * at[i].y / extent_.y);
+      const double fall = t <= 0 ? 0
+                                 : look::rim_share * smoothstep(0.0, look::rim_run, t) +
+                                       (1 - look::rim_share) * (1 - std::exp(-look::flattening * t)) /
+                                           (1 - std::exp(-look::flattening));
+      const double floor = look::floor_slope * at[i].y;
+      const double plateau = p_.relief * (1 + look::plateau_slope * at[i].y / extent_.y);
       const double z = floor + (plateau - floor) * std::max(0.0, 1 - std::min(fall, 1.0));
-      const double rough = p_.roughness * (0.03 * p_.relief * hills[i] + 0.09 * p_.fins * grooves[i]);
-      out.values.data()[i] = static_cast<float>(z + rough * (0.35 + smooth(t * 4)));
+      const double rough = p_.roughness * (look::hill_relief * p_.relief * hills[i] +
+                                           look::groove_depth * p_.fins * grooves[i]);
+      out.values.data()[i] = static_cast<float>(z + rough * (look::calm + smoothstep(0.0, 0.25, t)));
     }
     return out;
   }
@@ -167,16 +195,15 @@ class Builder {
     for (std::size_t i = n; i-- > 0;)
       if (receiver[order[i]] != order[i]) area[receiver[order[i]]] += area[order[i]];
     // Water too little to have a channel does not cut.
-    const double source = 0.12 * p_.fins * p_.fins;
-    const double strength = 0.075 * p_.incision * 24 / steps;
+    const double source = look::source * p_.fins * p_.fins;
+    const double strength = look::cutting * p_.incision * 24 / steps;
     for (const std::uint32_t i : order) {
       const std::uint32_t r = receiver[i];
       if (r == i) continue;
-      const double water = std::max(static_cast<double>(area[i]) - source, 0.0);
-      const double f = strength * std::sqrt(water) / (static_cast<double>(step[i]) * cell_) *
-                       hardness(static_cast<double>(z.data()[i]));
-      const double below = z.data()[r];
-      z.data()[i] = static_cast<float>((static_cast<double>(z.data()[i]) + f * below) / (1 + f));
+      const double here = z.data()[i], below = z.data()[r];
+      const double water = std::max(area[i] - source, 0.0);
+      const double f = strength * std::sqrt(water) / (step[i] * cell_) * softness(here);
+      z.data()[i] = static_cast<float>((here + f * below) / (1 + f));
     }
   }
 
@@ -198,15 +225,15 @@ class Builder {
     }
   }
 
-  /// Soft beds give way faster; the wave keeps strata from being exactly level.
-  double hardness(double z) const {
-    return 1 + 0.5 * std::sin(2 * 3.14159265358979323846 * z / (3 * p_.bed));
+  /// How fast rock at this height gives way, about 1: soft and hard beds take turns in a wave.
+  double softness(double z) const {
+    return 1 + look::hardness * std::sin(2 * std::numbers::pi * z / (look::bed_cycle * p_.bed));
   }
 
   /// Faces steeper than rock can stand shed debris, which comes to rest below them; rain wears gentle ground
   /// down.
   void slide(raster::Raster& heights) const {
-    const double steepest = 2.2 * cell_, creep = 0.02 * p_.fins / cell_;
+    const double steepest = look::steepest * cell_, creep = look::creep * p_.fins / cell_;
     const raster::Grid<float> z = heights.values;
     auto& out = heights.values;
     for (int row = 1; row + 1 < z.height(); ++row)
@@ -214,51 +241,47 @@ class Builder {
         double change = 0;
         for (int k = 0; k < 8; ++k) {
           const double length = std::hypot(impl::neighbour_col[k], impl::neighbour_row[k]);
-          const double rise =
-              static_cast<double>(z.at(col + impl::neighbour_col[k], row + impl::neighbour_row[k]) -
-                                  z.at(col, row)) /
-              length;
+          const float step =
+              z.at(col + impl::neighbour_col[k], row + impl::neighbour_row[k]) - z.at(col, row);
+          const double rise = step / length;
           const double excess = std::abs(rise) - steepest;
           // What falls off a face spreads on gentle ground.
-          const double gentle = 1 - smooth(std::abs(rise) / (0.8 * cell_));
-          change += std::min(creep, 0.12) * gentle * rise / length +
-                    0.05 * std::copysign(std::max(excess, 0.0), rise);
+          const double gentle = 1 - smoothstep(0.0, look::gentle * cell_, std::abs(rise));
+          change += std::min(creep, look::most_creep) * gentle * rise / length +
+                    look::shed * std::copysign(std::max(excess, 0.0), rise);
         }
         out.at(col, row) += static_cast<float>(change);
       }
   }
 
-  void refine(const raster::Raster& coarse, raster::Raster& out, Progress& progress) const {
+  /// Every pixel of the map, from the worn bowl: beds show where the ground is steep; debris covers them
+  /// elsewhere.
+  raster::Raster refine(const raster::Raster& coarse, Progress& progress) const {
     const Beds beds(p_.bed, p_.ledges, 1.2 * p_.relief, seed_);
-    const PlaneNoise waves(6 * p_.fins, 2, hash_combine(seed_, 4)),
-        rocks(0.35 * p_.fins, 4, hash_combine(seed_, 5));
-    progress.begin("badlands", static_cast<std::uint64_t>(out.height()), "rows");
-    parallel_for(
-        out.height(),
-        [&](std::int64_t r) {
-          const int row = static_cast<int>(r);
-          std::vector<Vec2d> at;
-          for (int col = 0; col < out.width(); ++col) at.push_back(out.placement.center(col, row));
-          const auto wave = waves.at(at), rock = rocks.at(at);
-          for (int col = 0; col < out.width(); ++col) {
-            const Vec2d p = at[static_cast<std::size_t>(col)];
-            const double z = raster::sample_bicubic(coarse, p.x, p.y);
-            const double dx = raster::sample_bilinear(coarse, p.x + cell_, p.y) -
-                              raster::sample_bilinear(coarse, p.x - cell_, p.y);
-            const double dy = raster::sample_bilinear(coarse, p.x, p.y + cell_) -
-                              raster::sample_bilinear(coarse, p.x, p.y - cell_);
-            const double slope = std::hypot(dx, dy) / (2 * cell_);
-            // Beds show where the ground is steep; debris covers them elsewhere.
-            const double bare = smooth((slope - 0.3) / 0.5);
-            const double dip = 0.5 * p_.bed * wave[static_cast<std::size_t>(col)];
-            const double stepped = beds(z + dip) - dip;
-            out.values.at(col, row) = static_cast<float>(z + bare * (stepped - z) +
-                                                         p_.roughness * (0.1 + 0.45 * bare) * 0.06 * p_.fins *
-                                                             rock[static_cast<std::size_t>(col)]);
-          }
-        },
-        progress);
-    progress.end();
+    const PlaneNoise waves(look::wave_size * p_.fins, 2, seed_, Stream::waves),
+        rocks(look::rock_size * p_.fins, 4, seed_, Stream::rocks);
+    const auto fill = [&](int, const std::vector<Vec2d>& points, std::span<double> out) {
+      const auto wave = waves.at(points), rock = rocks.at(points);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const double z = raster::sample_bicubic(coarse, points[i].x, points[i].y);
+        const double bare = smoothstep(0.0, look::bare_run, slope_at(coarse, points[i]) - look::bare_from);
+        const double dip = look::wave_height * p_.bed * wave[i];
+        const double stepped = beds(z + dip) - dip;
+        out[i] = z + bare * (stepped - z) +
+                 p_.roughness * (look::rock_debris + look::rock_bare * bare) * look::rock_height * p_.fins *
+                     rock[i];
+      }
+    };
+    return impl::by_rows(p_, "badlands", progress, fill);
+  }
+
+  /// Rise over run of the worn bowl.
+  double slope_at(const raster::Raster& coarse, Vec2d p) const {
+    const double dx =
+        raster::sample_bilinear(coarse, p.x + cell_, p.y) - raster::sample_bilinear(coarse, p.x - cell_, p.y);
+    const double dy =
+        raster::sample_bilinear(coarse, p.x, p.y + cell_) - raster::sample_bilinear(coarse, p.x, p.y - cell_);
+    return std::hypot(dx, dy) / (2 * cell_);
   }
 
   Badlands p_;
@@ -280,7 +303,7 @@ const GeneratorType& generator_badlands() {
       .about = {.name = "badlands",
                 .doc = "An amphitheatre of fins, gullies and ledges below the rim of a plateau",
                 .source = "stream power incision (Braun & Willett 2013) of a bowl, with hard and soft beds",
-                .params = table().infos()},
+                .params = table()},
       .generate = &generate,
   };
   return type;

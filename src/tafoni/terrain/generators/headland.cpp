@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tafoni/core/random.h"
+#include "tafoni/math/smoothstep.h"
 #include "tafoni/terrain/generator.h"
 #include "tafoni/terrain/impl/plane_noise.h"
 #include "tafoni/terrain/impl/rows.h"
@@ -30,59 +31,76 @@ const ParamTable<Headland>& table() {
   static const ParamTable<Headland> params = [] {
     ParamTable<Headland> t;
     add_grid_params(t);
-    t.real("elevation", &Headland::elevation, "m", 1, 1000, "height of the plateau above the sea")
-        .real("reach", &Headland::reach, "m", 0, 5000, "how far the headland reaches beyond the coves")
-        .real("breadth", &Headland::breadth, "m", 5, 20000, "breadth of the headland")
-        .real("cliff", &Headland::cliff, "m", 0.5, 500, "width of the cliffs on the map")
-        .real("bed", &Headland::bed, "m", 0.2, 200, "thickness of the beds, which step the cliffs")
-        .real("sea_depth", &Headland::sea_depth, "m", 0, 500, "depth of the water some way off the cliffs")
-        .real("beach", &Headland::beach, "m", 0, 500, "width of the beaches in the coves")
-        .real("roughness", &Headland::roughness, "", 0, 4, "strength of small relief");
+    t.real("elevation", &Headland::elevation, "m", 1, 1000, "Height of the plateau above the sea")
+        .real("reach", &Headland::reach, "m", 0, 5000,
+              "How far the headland reaches out beyond the coves; 0 for a straight shore")
+        .real("breadth", &Headland::breadth, "m", 5, 20000, "Breadth of the headland, from cove to cove")
+        .real("cliff", &Headland::cliff, "m", 0.5, 500,
+              "Width of the cliffs on the map: little for upright ones")
+        .real("bed", &Headland::bed, "m", 0.2, 200,
+              "Thickness of the beds, each of which is a step of the cliffs")
+        .real("sea_depth", &Headland::sea_depth, "m", 0, 500, "Depth of the water some way off the cliffs")
+        .real("beach", &Headland::beach, "m", 0, 500, "Width of the beaches in the coves; 0 for none")
+        .real("roughness", &Headland::roughness, "", 0, 4,
+              "Strength of small relief: 0 for smooth ground, 4 for broken rock");
     return t;
   }();
   return params;
 }
 
-double smooth(double t) {
-  t = std::clamp(t, 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
+enum class Stream : std::uint64_t { outline = 1, joints = 2, top = 3, rock = 4, skew = 5 };
+
+/// Chosen by eye on the default map; metres where nothing else is said.
+namespace look {
+constexpr double outline_size = 0.35, outline_bends = 0.06;  // of the breadth: the headland's own bends
+constexpr double skew = 0.12;                         // of the breadth: most that it stands off the middle
+constexpr double joint_size = 14, joint_depth = 2.2;  // notches that joints make in the shore
+constexpr double rock_size = 3.5, rock_depth = 0.5;   // blocks of the shore
+constexpr double top_size = 45, top_relief = 0.05;    // swells of the plateau, as a share of its height
+constexpr double top_tilt = 0.02;                     // rise of the plateau inland, metres per metre
+constexpr double foot = -0.5;                         // the face goes on a little below the sea
+constexpr double deepening = 25;                      // way in which most of the water's depth is reached
+constexpr double cove_edge = 40;                      // way in which the beach begins beside the headland
+constexpr double sand_top = 1.5, sand_most = 1.8;     // elevations of the beach at its back
+constexpr double beach_slope = 2.5;                   // rise of the sand over its width
+constexpr double sand_relief = 0.3, grain = 0.15;     // of the beach; of rock anywhere
+}  // namespace look
 
 class Builder {
  public:
   Builder(const Headland& p, std::uint64_t seed)
       : p_(p),
-        middle_(0.5 * p.pixel * static_cast<double>(p.width)),
-        shore_(0.5 * p.pixel * static_cast<double>(p.height)),
-        outline_(0.35 * p.breadth, 3, hash_combine(seed, 1)),
-        joints_(14, 3, hash_combine(seed, 2)),
-        top_(45, 4, hash_combine(seed, 3)),
-        rock_(3.5, 2, hash_combine(seed, 4)),
-        skew_(0.12 * p.breadth * (Random(seed, 5).uniform() - 0.5)) {}
+        middle_(0.5 * p.pixel * p.columns()),
+        shore_(0.5 * p.pixel * p.rows()),
+        outline_(look::outline_size * p.breadth, 3, seed, Stream::outline),
+        joints_(look::joint_size, 3, seed, Stream::joints),
+        top_(look::top_size, 4, seed, Stream::top),
+        rock_(look::rock_size, 2, seed, Stream::rock),
+        skew_(look::skew * p.breadth * (Random(seed, Stream::skew).uniform() - 0.5)) {}
 
   double height(Vec2d p) const {
     const double d = inland(p);
-    const double cove = 1 - smooth((0.5 * p_.breadth + 40 - std::abs(p.x - middle_ - skew_)) / 40);
-    const double plateau = p_.elevation * (1 + 0.05 * p_.roughness * top_.at(p)) + 0.02 * std::max(d, 0.0);
+    const double cove = 1 - smoothstep(0.0, look::cove_edge,
+                                       0.5 * p_.breadth + look::cove_edge - std::abs(p.x - middle_ - skew_));
+    const double plateau =
+        p_.elevation * (1 + look::top_relief * p_.roughness * top_.at(p)) + look::top_tilt * std::max(d, 0.0);
     // The face rises bed by bed: each bed stands upright and leaves a ledge.
     double rise = std::clamp(d / p_.cliff, 0.0, 1.0);
     const double beds = std::max(p_.elevation / p_.bed, 1.0);
     const double whole = std::floor(rise * beds), part = rise * beds - whole;
-    rise = (whole + smooth(2 * part)) / beds;
-    const double foot = -0.5;
-    const double floor = foot - p_.sea_depth * (1 - std::exp(std::min(d, 0.0) / 25));
-    const double face = d > 0 ? foot + (plateau - foot) * rise : floor;
-    const double sand = 1.5 + (d - 2) * 2.5 / std::max(p_.beach, 1e-6) + 0.3 * p_.roughness * top_.at(p);
-    const double beached =
-        cove > 0 && p_.beach > 0 ? face + cove * (std::max(face, std::min(sand, 1.8)) - face) : face;
-    return beached + 0.15 * p_.roughness * rock_.at(p);
+    rise = (whole + smoothstep(0.0, 0.5, part)) / beds;
+    const double floor = look::foot - p_.sea_depth * (1 - std::exp(std::min(d, 0.0) / look::deepening));
+    const double face = d > 0 ? look::foot + (plateau - look::foot) * rise : floor;
+    const double sand = look::sand_top + (d - 2) * look::beach_slope / std::max(p_.beach, 1e-6) +
+                        look::sand_relief * p_.roughness * top_.at(p);
+    const double beached = cove > 0 && p_.beach > 0
+                               ? face + cove * (std::max(face, std::min(sand, look::sand_most)) - face)
+                               : face;
+    return beached + look::grain * p_.roughness * rock_.at(p);
   }
 
   raster::Raster run(Progress& progress) const {
-    return impl::by_rows(p_, "headland", progress, [&](int row, const raster::Placement& at, float* out) {
-      for (int col = 0; col < static_cast<int>(p_.width); ++col)
-        out[col] = static_cast<float>(height(at.center(col, row)));
-    });
+    return impl::by_points(p_, "headland", progress, [&](Vec2d p) { return height(p); });
   }
 
  private:
@@ -94,8 +112,8 @@ class Builder {
   /// About the distance from the shore, positive on land.
   double inland(Vec2d p) const {
     const double plain = (p.y - shore_ + line(p.x)) / std::hypot(1.0, 0.5 * (line(p.x + 1) - line(p.x - 1)));
-    const double bends =
-        0.06 * p_.breadth * outline_.at(p) + p_.roughness * (2.2 * joints_.at(p) + 0.5 * rock_.at(p));
+    const double bends = look::outline_bends * p_.breadth * outline_.at(p) +
+                         p_.roughness * (look::joint_depth * joints_.at(p) + look::rock_depth * rock_.at(p));
     return plain + bends * std::exp(-std::abs(plain) / p_.breadth);
   }
 
@@ -118,7 +136,7 @@ const GeneratorType& generator_headland() {
       .about = {.name = "headland",
                 .doc = "A headland of bedded limestone with upright cliffs between two coves",
                 .source = "the setting of [Paris19 fig. 25]",
-                .params = table().infos()},
+                .params = table()},
       .generate = &generate,
   };
   return type;

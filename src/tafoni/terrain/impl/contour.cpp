@@ -32,18 +32,16 @@ class Tracer {
   struct Away {
     const Tracer& tracer;
     double operator()(int col, int row, std::int32_t point) const {
-      return squared(tracer.out_.points[static_cast<std::size_t>(point)] -
-                     tracer.values_.placement.center(col, row));
+      return squared(tracer.out_.points[point] - tracer.values_.placement.center(col, row));
     }
   };
 
   void cross(int col, int row, int col2, int row2) {
-    const double a = static_cast<double>(values_.values.at(col, row));
-    const double b = static_cast<double>(values_.values.at(col2, row2));
+    const double a = values_.values.at(col, row), b = values_.values.at(col2, row2);
     if ((a > 0) == (b > 0)) return;
     const double t = a / (a - b);
     out_.points.push_back(values_.placement.center(col + t * (col2 - col), row + t * (row2 - row)));
-    const auto point = static_cast<std::int32_t>(out_.points.size() - 1);
+    const auto point = static_cast<std::int32_t>(std::ssize(out_.points)) - 1;
     spread_.offer(col, row, point);
     spread_.offer(col2, row2, point);
   }

@@ -1,8 +1,10 @@
+// The domain: distances to the border of the data, blurred so that a ragged border becomes one to walk along,
+// without islets.
+
 #include "tafoni/terrain/impl/domain.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <utility>
 
@@ -15,47 +17,43 @@ namespace {
 using raster::Grid;
 
 constexpr std::int64_t lines_a_block = 64;
-constexpr int blur_passes = 3;  // box blurs; three come close to a Gaussian
+constexpr int blur_passes = 3;               // box blurs; three come close to a Gaussian
+constexpr int data_blur = 2, land_blur = 1;  // their radii: of the data's border; of that without islets
+constexpr double islet = 4;                  // pixels: islands nowhere farther from their border are left out
 
-/// Replaces each of `count` lines of `length` values by the mean of the 2 `radius` + 1 lines around it, the
-/// outermost going on beyond the ends. `lines` holds them one after the other; `scratch` grows as needed.
-void box_blur(std::vector<float>& lines, int count, int length, int radius, std::vector<float>& scratch) {
-  scratch.assign(lines.size(), 0);
+/// Replaces each row by the mean of the 2 `radius` + 1 rows around it, the outermost going on beyond the
+/// ends.
+void box_blur(Grid<float>& rows, int radius) {
+  Grid<float> out(rows.width(), rows.height());
   const float weight = 1 / static_cast<float>(2 * radius + 1);
-  for (int i = 0; i < count; ++i) {
-    float* to = scratch.data() + static_cast<std::ptrdiff_t>(i) * length;
+  for (int i = 0; i < rows.height(); ++i) {
+    float* to = out.row(i);
     for (int k = i - radius; k <= i + radius; ++k) {
-      const float* from = lines.data() + static_cast<std::ptrdiff_t>(std::clamp(k, 0, count - 1)) * length;
-      for (int j = 0; j < length; ++j) to[j] += weight * from[j];
+      const float* from = rows.row(std::clamp(k, 0, rows.height() - 1));
+      for (int j = 0; j < rows.width(); ++j) to[j] += weight * from[j];
     }
   }
-  lines.swap(scratch);
+  rows = std::move(out);
 }
 
-/// Both directions work on blocks gathered so that the blur runs across lines, which is contiguous.
+/// Both directions work on blocks gathered so that the blur runs across rows, which is contiguous.
 void blur(Grid<float>& grid, int radius) {
   const int width = grid.width(), height = grid.height();
   parallel_blocks(width, lines_a_block, [&](std::int64_t first, std::int64_t last) {
     const int columns = static_cast<int>(last - first);
-    std::vector<float> lines(static_cast<std::size_t>(height) * static_cast<std::size_t>(columns)), scratch;
-    for (int row = 0; row < height; ++row)
-      std::copy_n(grid.row(row) + first, columns, lines.data() + static_cast<std::ptrdiff_t>(row) * columns);
-    for (int pass = 0; pass < blur_passes; ++pass) box_blur(lines, height, columns, radius, scratch);
-    for (int row = 0; row < height; ++row)
-      std::copy_n(lines.data() + static_cast<std::ptrdiff_t>(row) * columns, columns, grid.row(row) + first);
+    Grid<float> block(columns, height);
+    for (int row = 0; row < height; ++row) std::copy_n(grid.row(row) + first, columns, block.row(row));
+    for (int pass = 0; pass < blur_passes; ++pass) box_blur(block, radius);
+    for (int row = 0; row < height; ++row) std::copy_n(block.row(row), columns, grid.row(row) + first);
   });
   parallel_blocks(height, lines_a_block, [&](std::int64_t first, std::int64_t last) {
-    const int rows = static_cast<int>(last - first);
-    std::vector<float> lines(static_cast<std::size_t>(width) * static_cast<std::size_t>(rows)), scratch;
-    const auto at = [&](int col, int row) -> float& {
-      return lines[static_cast<std::size_t>(col) * static_cast<std::size_t>(rows) +
-                   static_cast<std::size_t>(row)];
-    };
+    const int top = static_cast<int>(first), rows = static_cast<int>(last) - top;
+    Grid<float> block(rows, width);  // turned over: its rows are columns of the grid
     for (int row = 0; row < rows; ++row)
-      for (int col = 0; col < width; ++col) at(col, row) = grid.at(col, static_cast<int>(first) + row);
-    for (int pass = 0; pass < blur_passes; ++pass) box_blur(lines, width, rows, radius, scratch);
+      for (int col = 0; col < width; ++col) block.at(row, col) = grid.at(col, top + row);
+    for (int pass = 0; pass < blur_passes; ++pass) box_blur(block, radius);
     for (int row = 0; row < rows; ++row)
-      for (int col = 0; col < width; ++col) grid.at(col, static_cast<int>(first) + row) = at(col, row);
+      for (int col = 0; col < width; ++col) grid.at(col, top + row) = block.at(row, col);
   });
 }
 
@@ -102,7 +100,7 @@ std::vector<Run> islands_of(const Grid<float>& distance, float least) {
 
 /// 1 where `distance` is positive, without islands nowhere farther than `least` from the border, unless all
 /// are such.
-Grid<std::uint8_t> without_islets(const Grid<float>& distance, float least) {
+Grid<std::uint8_t> drop_islets(const Grid<float>& distance, float least) {
   std::vector<Run> runs = islands_of(distance, least);
   bool any = false;
   for (std::size_t i = 0; i < runs.size(); ++i) any = any || runs[root_of(runs, i)].large;
@@ -125,12 +123,11 @@ Grid<float> data_distance(const raster::Raster& world, Progress& progress) {
   };
   if (whole(mask)) return {};
   Grid<float> smooth = raster::signed_distance(mask, dx, dy, progress);
-  blur(smooth, 2);
-  constexpr double pixels = 4;
-  const Grid<std::uint8_t> land = without_islets(smooth, static_cast<float>(pixels * std::max(dx, dy)));
+  blur(smooth, data_blur);
+  const Grid<std::uint8_t> land = drop_islets(smooth, static_cast<float>(islet * std::max(dx, dy)));
   if (whole(land)) return {};
   Grid<float> distance = raster::signed_distance(land, dx, dy, progress);
-  blur(distance, 1);
+  blur(distance, land_blur);
   const bool vanished =
       std::none_of(distance.values().begin(), distance.values().end(), [](float d) { return d > 0; });
   if (vanished) return raster::signed_distance(mask, dx, dy, progress);

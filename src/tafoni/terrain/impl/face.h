@@ -8,11 +8,6 @@
 
 namespace tafoni::terrain::impl {
 
-inline double smooth(double t) {
-  t = std::clamp(t, 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
-
 /// A minimum whose corner is rounded over a height of about r.
 inline double soft_min(double a, double b, double r) {
   const double h = std::max(r - std::abs(a - b), 0.0) / r;

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "tafoni/core/random.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/vec.h"
 
@@ -14,6 +15,10 @@ namespace tafoni::terrain::impl {
 /// Fractal noise about 0 that uses most of [-1, 1].
 class PlaneNoise {
  public:
+  /// `stream` keeps it apart from the other noises of the seed.
+  template <class Stream>
+  PlaneNoise(double wavelength, int octaves, std::uint64_t seed, Stream stream)
+      : PlaneNoise(wavelength, octaves, hash_combine(seed, stream)) {}
   PlaneNoise(double wavelength, int octaves, std::uint64_t seed)
       : frequency_(1 / wavelength), octaves_(octaves), seed_(seed) {}
 
@@ -25,8 +30,7 @@ class PlaneNoise {
     std::vector<float> t(points.size());
     fbm(scaled, octaves_, seed_, t);
     std::vector<double> out(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i)
-      out[i] = std::clamp(gain * (2 * static_cast<double>(t[i]) - 1), -1.0, 1.0);
+    for (std::size_t i = 0; i < points.size(); ++i) out[i] = std::clamp(gain * (2.0 * t[i] - 1), -1.0, 1.0);
     return out;
   }
   double at(Vec2d p) const { return at(std::span(&p, 1)).front(); }

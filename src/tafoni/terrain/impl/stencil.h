@@ -17,6 +17,16 @@ inline bool missing(float h) {
   return std::isnan(h);
 }
 
+struct Cell {
+  int col, row;
+};
+/// The cell of this number.
+template <class T, class Index>
+Cell cell_of(const raster::Grid<T>& grid, Index i) {
+  const Index width = static_cast<Index>(grid.width());
+  return {static_cast<int>(i % width), static_cast<int>(i / width)};
+}
+
 /// dh/dx (east) and dh/dy (north), by central differences; one-sided, then 0, where neighbours lack.
 inline Vec2d gradient(const raster::Raster& heights, int col, int row) {
   const auto& grid = heights.values;

@@ -12,6 +12,7 @@
 
 #include "tafoni/core/random.h"
 #include "tafoni/raster/grid.h"
+#include "tafoni/terrain/generator.h"
 #include "tafoni/terrain/impl/face.h"
 
 namespace tafoni::terrain::impl {
@@ -41,6 +42,12 @@ struct SideValleys {
   Winding winding;
 };
 
+/// How closely rivers are followed on a map: a little finer than its pixels, 20000 steps about it at most.
+inline double river_step(const GridSettings& grid) {
+  const Vec2d extent = grid.extent();
+  return std::max(0.7 * grid.pixel, (extent.x + extent.y) / 20000);
+}
+
 class Valleys {
  public:
   Valleys(Vec2d extent, double step, std::uint64_t seed);
@@ -49,14 +56,16 @@ class Valleys {
   /// the western. `middle`: about where it crosses the map, as a share of it.
   void add_main(double middle, double bed, double gradient, double half_width, const Winding& winding,
                 bool to_north);
-  /// Side valleys of all rivers there are; `generation` picks the random numbers.
+  /// Gives side valleys to all the rivers there are; `generation` picks the random numbers.
   void add_sides(const SideValleys& sides, int generation);
 
   const std::vector<River>& rivers() const { return rivers_; }
   double margin() const { return margin_; }
 
  private:
-  Vec2d heading_vector(double heading) const { return {std::cos(heading), std::sin(heading)}; }
+  /// Side valley `i` of `wanted` of a river, or an empty one where there is no room for it.
+  River side_valley(const SideValleys& sides, std::size_t parent, int i, int wanted, double hand,
+                    Random& random) const;
   River walk(RiverPoint from, double heading, double length, const Winding& winding, Random random) const;
   bool on_map(Vec2d p) const;
   std::uint64_t cell(Vec2d p, int dx, int dy) const;

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/terrain/analysis.h"
 #include "tafoni/terrain/impl/stencil.h"
 #include "tafoni/terrain/test/surfaces.h"
@@ -131,8 +131,10 @@ TEST(Accessibility, DoesNotDependOnThreads) {
 }
 
 TEST(Accessibility, NeedsARadius) {
-  EXPECT_THROW(accessibility(rough(3, 3, 1), {.max_radius = 0}), Error);
-  EXPECT_THROW(accessibility(rough(3, 3, 1), {.max_radius = NAN}), Error);
+  EXPECT_EQ(error_of([&] { accessibility(rough(3, 3, 1), {.max_radius = 0}); }),
+            "accessibility: the greatest radius must be above 0 m, not 0");
+  EXPECT_EQ(error_of([&] { accessibility(rough(3, 3, 1), {.max_radius = NAN}); }),
+            "accessibility: the greatest radius must be above 0 m, not nan");
 }
 
 }  // namespace

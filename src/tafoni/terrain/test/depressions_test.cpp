@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/terrain/analysis.h"
 #include "tafoni/terrain/impl/radix_heap.h"
 #include "tafoni/terrain/impl/stencil.h"
@@ -106,7 +106,7 @@ TEST(Depressions, NothingAtAllIsFine) {
 TEST(Depressions, CanBeCancelled) {
   Progress progress;
   progress.cancel();
-  EXPECT_THROW(fill_depressions(rough(5, 5, 1), {}, progress), Error);
+  EXPECT_EQ(error_of([&] { fill_depressions(rough(5, 5, 1), {}, progress); }), "cancelled");
 }
 
 TEST(RadixHeap, SortsWhatOnlyRises) {

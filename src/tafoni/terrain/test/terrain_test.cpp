@@ -4,11 +4,13 @@
 
 #include <gmock/gmock.h>
 
-#include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/field/compiled.h"
 
 namespace tafoni::terrain {
 namespace {
+
+using testing::HasSubstr;
 
 raster::Raster hills(int width, int height, raster::Placement placement) {
   raster::Raster out{raster::Grid<float>(width, height), placement, "EPSG:32630"};
@@ -137,18 +139,22 @@ TEST(MakeTerrain, PolygonsWithHolesCutTheDomain) {
   EXPECT_FLOAT_EQ(at(500'099, 5'900'101), 1);
   EXPECT_LT(at(500'121, 5'900'101), -15);
   options.polygons = {square(0, 0, 10)};
-  EXPECT_THROW(make_terrain(world, 0.5, options), Error);
+  EXPECT_THAT(error_of([&] { make_terrain(world, 0.5, options); }),
+              HasSubstr("does not cover any of the elevation model's data"));
 }
 
 TEST(MakeTerrain, Refuses) {
   raster::Raster world = hills(20, 20, far_away);
-  EXPECT_THROW(make_terrain(world, 0), Error);
-  EXPECT_THROW(make_terrain(world, NAN), Error);
+  EXPECT_THAT(error_of([&] { make_terrain(world, 0); }),
+              HasSubstr("must be a positive number of metres, not 0."));
+  EXPECT_THAT(error_of([&] { make_terrain(world, NAN); }),
+              HasSubstr("must be a positive number of metres, not nan."));
   TerrainOptions options;
   options.settings.amplitude = 4.9;
-  EXPECT_THROW(make_terrain(world, 1, options), Error);
+  EXPECT_THAT(error_of([&] { make_terrain(world, 1, options); }),
+              HasSubstr("R = 15 m must be positive and at most three times the amplitude T = 4.9 m"));
   for (float& v : world.values.values()) v = raster::no_data;
-  EXPECT_THROW(make_terrain(world, 1), Error);
+  EXPECT_THAT(error_of([&] { make_terrain(world, 1); }), HasSubstr("holds no data at all"));
 }
 
 TEST(TerrainTree, IsTheSmallerOfTheHeightfieldAndTheDomain) {

@@ -7,9 +7,12 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 
 namespace tafoni::volume {
 namespace {
+
+using testing::HasSubstr;
 
 Chamber chamber_of(const char* name, double noise = 0, double turn = 0) {
   ChamberSettings s;
@@ -124,15 +127,18 @@ TEST(Chamber, ReadsLatticesInWordsAndNumbers) {
   EXPECT_EQ(a.values, b.values);
   // The first row is the northern one.
   EXPECT_THAT(a.values, testing::ElementsAre(-1, -1, 0, -0.5, 1, 0.5, 1, 1, 1, 1, 1, 1));
-  for (const char* wrong : {"##/##", "##/#;##/##", "##/##;##", "#x/##;##/##", "1 2 3;1 2 3", ""})
-    EXPECT_THROW(parse_lattice(wrong, "here"), Error) << wrong;
+  const auto error = [](const char* wrong) { return error_of([&] { parse_lattice(wrong, "here"); }); };
+  for (const char* small : {"##/##", "1 2 3;1 2 3", ""})
+    EXPECT_THAT(error(small), HasSubstr("here: a lattice takes at least 2 x 2 x 2 values")) << small;
+  EXPECT_EQ(error("##/#;##/##"), "here: the row \"#\" has 1 values where the first has 2");
+  EXPECT_EQ(error("##/##;##"), "here: a layer has 1 rows where the first has 2");
+  EXPECT_EQ(error("#x/##;##/##"), "here: \"#x\" is neither a number nor made of # + o - .");
   try {
     find_chamber_preset("qeen");
     ADD_FAILURE();
   } catch (const Error& e) {
-    for (const ChamberPreset& preset : chamber_presets())
-      EXPECT_THAT(e.what(), testing::HasSubstr(preset.name));
-    EXPECT_THAT(e.what(), testing::HasSubstr("did you mean queen?"));
+    for (const ChamberPreset& preset : chamber_presets()) EXPECT_THAT(e.what(), HasSubstr(preset.name));
+    EXPECT_THAT(e.what(), HasSubstr("did you mean queen?"));
   }
 }
 

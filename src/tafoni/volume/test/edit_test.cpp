@@ -4,14 +4,17 @@
 #include <cmath>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/volume/impl/tool_shape.h"
 
 namespace tafoni::volume {
 namespace {
+
+using testing::HasSubstr;
 
 constexpr double amplitude = 2.5;
 
@@ -155,12 +158,14 @@ TEST(Edit, ValuesBeyondTheAmplitudeAreNotPulledBack) {
 
 TEST(Edit, RefusesWhatIsNotAboveZero) {
   ScalarGrid grid = ground();
-  EXPECT_THROW(apply(grid, Tool::sphere({}, 1), Edit::add, 0), Error);
-  EXPECT_THROW(explode(grid, {}, 0, 1, 1), Error);
-  EXPECT_THROW(explode(grid, {NAN, 0, 0}, 1, 1, 1), Error);
-  EXPECT_THROW(add_radial(
-                   grid, {}, 1, [](double) { return 1.0; }, -1),
-               Error);
+  EXPECT_THAT(error_of([&] { apply(grid, Tool::sphere({}, 1), Edit::add, 0); }),
+              HasSubstr("amplitude must be above 0 and finite, not 0"));
+  EXPECT_THAT(error_of([&] { explode(grid, {}, 0, 1, 1); }),
+              HasSubstr("a finite centre and a radius above 0, not 0"));
+  EXPECT_THAT(error_of([&] { explode(grid, {NAN, 0, 0}, 1, 1, 1); }), HasSubstr("needs a finite centre"));
+  const auto one = [](double) { return 1.0; };
+  EXPECT_THAT(error_of([&] { add_radial(grid, {}, 1, one, -1); }),
+              HasSubstr("amplitude must be above 0 and finite, not -1"));
 }
 
 }  // namespace

@@ -4,13 +4,17 @@
 #include <cmath>
 #include <cstring>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 
 namespace tafoni::volume {
 namespace {
+
+using testing::HasSubstr;
 
 /// [Ju01]'s cube: air on top, rock below.
 FractalSettings plane(Vec3i cells, int levels) {
@@ -325,19 +329,19 @@ TEST(Fractal, HalfPrecisionRoundsAndTakesHalf) {
 }
 
 TEST(Fractal, RefusesWhatIsWrong) {
-  const auto refused = [](auto&& change) {
+  const auto refused = [](auto&& change, const char* sentence) {
     FractalSettings s = plane({2, 2, 1}, 3);
     change(s);
-    EXPECT_THROW(Fractal f(s), Error);
+    EXPECT_THAT(error_of([&] { Fractal f(s); }), HasSubstr(sentence));
   };
-  refused([](FractalSettings& s) { s.coarse.pop_back(); });
-  refused([](FractalSettings& s) { s.coarse[3] = NAN; });
-  refused([](FractalSettings& s) { s.cells.y = 0; });
-  refused([](FractalSettings& s) { s.levels = 0; });
-  refused([](FractalSettings& s) { s.levels = 20; });
-  refused([](FractalSettings& s) { s.noise = {-1}; });
-  refused([](FractalSettings& s) { s.spacing = 0; });
-  refused([](FractalSettings& s) { s.pins = {{{}, 1, 1, 3}}; });
+  refused([](FractalSettings& s) { s.coarse.pop_back(); }, "2 x 2 x 1 cells needs 18 values, not 17");
+  refused([](FractalSettings& s) { s.coarse[3] = NAN; }, "values must be finite");
+  refused([](FractalSettings& s) { s.cells.y = 0; }, "at least one cell a side, not 2 x 0 x 1");
+  refused([](FractalSettings& s) { s.levels = 0; }, "1 to 20 times, not 0");
+  refused([](FractalSettings& s) { s.levels = 20; }, "samples is too large; take fewer levels");
+  refused([](FractalSettings& s) { s.noise = {-1}; }, "its noise 0 or more");
+  refused([](FractalSettings& s) { s.spacing = 0; }, "spacing and limit must be positive lengths");
+  refused([](FractalSettings& s) { s.pins = {{{}, 1, 1, 3}}; }, "a pin's level must be from 0 to 2");
 }
 
 }  // namespace

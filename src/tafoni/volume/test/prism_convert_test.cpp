@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/volume/sample.h"
 #include "tafoni/volume/test/random_tools.h"
 
@@ -46,7 +46,8 @@ TEST(PrismConvert, HeightsBecomeColumns) {
     }
   // A base over the ground.
   EXPECT_EQ(prism_from(r, 100).layers(), 0);
-  EXPECT_THROW(prism_from(raster::Raster{}, 0), Error);
+  EXPECT_EQ(error_of([&] { prism_from(raster::Raster{}, 0); }),
+            "a prism-field needs 2 x 2 pixels of ground; this has 0 x 0");
 }
 
 /// A ball with a ball-shaped hollow, in the air.

@@ -3,11 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/volume/test/random_tools.h"
 
 namespace tafoni::volume {
 namespace {
+
+using testing::HasSubstr;
 
 /// Columns as plain sorted lists; the truth.
 class Columns {
@@ -222,12 +224,16 @@ TEST(PrismFields, ReadsBeyondItsFrameAsNothing) {
 }
 
 TEST(PrismFields, RefusesWhatCannotBe) {
-  EXPECT_THROW(PrismFields({{}, 1, 1, 1, 5}), Error);
-  EXPECT_THROW(PrismFields({{}, 0, 1, 5, 5}), Error);
-  EXPECT_THROW(PrismFields({{}, 1, 1, 5, 5}, 0), Error);
+  EXPECT_THAT(error_of([&] { PrismFields({{}, 1, 1, 1, 5}); }), HasSubstr("1 x 5 columns cannot be"));
+  EXPECT_THAT(error_of([&] { PrismFields({{}, 0, 1, 5, 5}); }), HasSubstr("spacing of 0 x 1 m cannot be"));
+  EXPECT_THAT(error_of([&] {
+                PrismFields({{}, 1, 1, 5, 5}, 0);
+              }),
+              HasSubstr("least thickness of 0 m cannot be"));
   PrismFields fields(small);
   const std::vector<Matter> crossed{{0, 2}, {1, 3}};
-  EXPECT_THROW(fields.set_column(0, 0, crossed), Error);
+  EXPECT_THAT(error_of([&] { fields.set_column(0, 0, crossed); }),
+              HasSubstr("the matter of column (0, 0) is out of order"));
   const std::vector<Matter> thin{{0, 2}, {3, 3.0001f}};
   fields.set_column(0, 0, thin);
   EXPECT_EQ(fields.column(0, 0), (std::vector<Matter>{{0, 2}}));

@@ -7,14 +7,18 @@
 #include <cmath>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/field/test/lattice.h"
 
 namespace tafoni::volume {
 namespace {
+
+using testing::HasSubstr;
 
 std::uint32_t bits(float v) {
   return std::bit_cast<std::uint32_t>(v);
@@ -113,7 +117,7 @@ TEST(Sample, DoesNotDependOnThreadsAndCanBeCancelled) {
   EXPECT_TRUE(one == three);
   Progress progress;
   progress.cancel();
-  EXPECT_THROW(sample(field, frame, {}, progress), Error);
+  EXPECT_EQ(error_of([&] { sample(field, frame, {}, progress); }), "cancelled");
 }
 
 /// The greatest difference of grid and field at random points within `reach` of the surface.
@@ -163,11 +167,20 @@ TEST(Sample, FramesCoverTheirBoxOnTheLattice) {
   const GridFrame frame = frame_over({{-3.2, 0.1, 7}, {4.9, 0.2, 9.01}}, 0.5);
   EXPECT_EQ(frame.origin, (Vec3d{-3.5, 0, 7}));
   EXPECT_EQ(frame.size, (Vec3i{18, 2, 6}));
-  EXPECT_THROW(frame_over({}, 1), Error);
-  EXPECT_THROW(frame_over(Box3d::everything(), 1), Error);
-  EXPECT_THROW(frame_over({{0, 0, 0}, {1, 1, 1}}, 0), Error);
-  EXPECT_THROW(frame_over({{0, 0, 0}, {1, 1, 1}}, 1e-12), Error);
-  EXPECT_THROW(sample(field::compile(field::constant(1)), frame, {Precision::single, -1}), Error);
+  EXPECT_THAT(error_of([&] { frame_over({}, 1); }), HasSubstr("must be a bounded box"));
+  EXPECT_THAT(error_of([&] { frame_over(Box3d::everything(), 1); }), HasSubstr("must be a bounded box"));
+  EXPECT_THAT(error_of([&] {
+                frame_over({{0, 0, 0}, {1, 1, 1}}, 0);
+              }),
+              HasSubstr("spacing must be a positive length in metres, not 0"));
+  EXPECT_THAT(error_of([&] {
+                frame_over({{0, 0, 0}, {1, 1, 1}}, 1e-12);
+              }),
+              HasSubstr("1e-12 m is too fine a spacing"));
+  EXPECT_THAT(error_of([&] {
+                sample(field::compile(field::constant(1)), frame, {Precision::single, -1});
+              }),
+              HasSubstr("band must be a length in metres, 0 for none, not -1"));
 }
 
 }  // namespace

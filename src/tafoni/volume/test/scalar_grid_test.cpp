@@ -7,14 +7,18 @@
 #include <map>
 #include <thread>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/math/half.h"
 
 namespace tafoni::volume {
 namespace {
+
+using testing::HasSubstr;
 
 /// A plain array beside the grid.
 struct Mirror {
@@ -270,12 +274,11 @@ TEST(ScalarGrid, UniformChunksStayOneValueAndComeBack) {
 
 TEST(ScalarGrid, AnExceptionInAnEditLeavesRangesRight) {
   ScalarGrid grid({{}, 1, {40, 40, 40}}, 0);
-  EXPECT_THROW(grid.edit(grid.samples(),
-                         [](Vec3i first, std::span<float> row) {
-                           row[3] = 9;
-                           if (first.y == 5) fail(ErrorKind::cancelled, "cancelled");
-                         }),
-               Error);
+  const auto write_some = [](Vec3i first, std::span<float> row) {
+    row[3] = 9;
+    if (first.y == 5) fail(ErrorKind::cancelled, "row five");
+  };
+  EXPECT_EQ(error_of([&] { grid.edit(grid.samples(), write_some); }), "row five");
   EXPECT_EQ(grid.at({3, 4, 0}), 9);
   EXPECT_EQ(grid.range(grid.frame().box()).hi, 9);
 }
@@ -325,14 +328,20 @@ TEST(ScalarGrid, SamplesInABoxAreThoseOfTheCellsItTouches) {
 }
 
 TEST(ScalarGrid, RefusesWrongFramesAndBoxes) {
-  for (const GridFrame& wrong :
-       {GridFrame{{}, 1, {1, 8, 8}}, GridFrame{{}, 0, {8, 8, 8}}, GridFrame{{}, -1, {8, 8, 8}},
-        GridFrame{{}, NAN, {8, 8, 8}}, GridFrame{{}, 1, {1 << 20, 1 << 20, 2}},
-        GridFrame{{}, 1, {2, (1 << 30) + 1, 2}}, GridFrame{{0, NAN, 0}, 1, {8, 8, 8}}})
-    EXPECT_THROW(ScalarGrid(wrong, 0), Error);
+  const auto error = [](const GridFrame& frame) { return error_of([&] { ScalarGrid(frame, 0); }); };
+  EXPECT_THAT(error({{}, 1, {1, 8, 8}}), HasSubstr("1 x 8 x 8 samples has no cells"));
+  EXPECT_THAT(error({{}, 0, {8, 8, 8}}), HasSubstr("its spacing (0) above 0"));
+  EXPECT_THAT(error({{}, -1, {8, 8, 8}}), HasSubstr("its spacing (-1) above 0"));
+  EXPECT_THAT(error({{}, NAN, {8, 8, 8}}), HasSubstr("its spacing (nan) above 0"));
+  EXPECT_THAT(error({{}, 1, {1 << 20, 1 << 20, 2}}), HasSubstr("is too large: at most 2^40 in all"));
+  EXPECT_THAT(error({{}, 1, {2, (1 << 30) + 1, 2}}), HasSubstr("is too large: at most 2^40 in all"));
+  EXPECT_THAT(error({{0, NAN, 0}, 1, {8, 8, 8}}), HasSubstr("a grid's origin must be finite"));
   ScalarGrid grid({{}, 1, {8, 8, 8}}, 0);
   const float values[2] = {1, 2};
-  EXPECT_THROW(grid.write({{7, 0, 0}, {8, 0, 0}}, values), Error);
+  EXPECT_EQ(error_of([&] {
+              grid.write({{7, 0, 0}, {8, 0, 0}}, values);
+            }),
+            "samples (7, 0, 0) to (8, 0, 0) are written, which the grid does not have");
 }
 
 TEST(ScalarGrid, FillGivesMemoryBack) {

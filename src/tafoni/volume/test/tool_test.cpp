@@ -5,11 +5,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 
 namespace tafoni::volume {
 namespace {
+
+using testing::HasSubstr;
 
 Vec3d within(Random& r, const Box3d& box) {
   const double x = r.uniform(box.lo.x, box.hi.x), y = r.uniform(box.lo.y, box.hi.y);
@@ -140,7 +142,7 @@ TEST(Tool, HullAgreesWithBruteForce) {
     for (Vec3d p : points)
       if (!sides.empty() && dot(sides[0].n, p) < sides[0].d - 1e-9) solid = true;
     if (!solid) {
-      EXPECT_THROW(Tool::hull(points), Error) << round;
+      EXPECT_THAT(error_of([&] { Tool::hull(points); }), HasSubstr("lie in a plane")) << round;
       continue;
     }
     const Tool tool = Tool::hull(points);
@@ -171,15 +173,25 @@ TEST(Tool, HullOfManyPointsOfASphere) {
 
 TEST(Tool, RefusesWhatHasNoInside) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(Tool::sphere({}, 0), Error);
-  EXPECT_THROW(Tool::sphere({nan, 0, 0}, 1), Error);
-  EXPECT_THROW(Tool::capsule({}, {1, 0, 0}, -1), Error);
-  EXPECT_THROW(Tool::box({}, {1, 0, 1}), Error);
+  EXPECT_THAT(error_of([&] { Tool::sphere({}, 0); }),
+              HasSubstr("the radius of a sphere is not finite or not above 0"));
+  EXPECT_THAT(error_of([&] {
+                Tool::sphere({nan, 0, 0}, 1);
+              }),
+              HasSubstr("the centre of a sphere is not finite"));
+  EXPECT_THAT(error_of([&] {
+                Tool::capsule({}, {1, 0, 0}, -1);
+              }),
+              HasSubstr("the radius of a capsule is not finite or not above 0"));
+  EXPECT_THAT(error_of([&] {
+                Tool::box({}, {1, 0, 1});
+              }),
+              HasSubstr("half a side of a box is not finite or not above 0"));
   const std::vector<Vec3d> square{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.3, 0.2, 0}};
-  EXPECT_THROW(Tool::hull(square), Error);
-  EXPECT_THROW(Tool::hull({}), Error);
+  EXPECT_THAT(error_of([&] { Tool::hull(square); }), HasSubstr("the points of a hull lie in a plane"));
+  EXPECT_THAT(error_of([&] { Tool::hull({}); }), HasSubstr("the points of a hull lie in a plane"));
   const std::vector<Vec3d> bad{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, nan}};
-  EXPECT_THROW(Tool::hull(bad), Error);
+  EXPECT_THAT(error_of([&] { Tool::hull(bad); }), HasSubstr("a point of a hull is not finite"));
 }
 
 TEST(Tool, DataMakesTheSameToolAgain) {
@@ -200,15 +212,18 @@ TEST(Tool, DataMakesTheSameToolAgain) {
 }
 
 TEST(Tool, DataOfNoToolIsRefused) {
-  const auto refused = [](ToolData data) { EXPECT_THROW(Tool::from(data), Error); };
-  refused({});
-  refused({ToolData::Kind::sphere, {{0, 0, 0}}, {}});
-  refused({ToolData::Kind::sphere, {{0, 0, 0}}, {-1}});
-  refused({ToolData::Kind::capsule, {{0, 0, 0}}, {1}});
-  refused({ToolData::Kind::box, {{0, 0, 0}}, {1, 1, 1, 0.5, 0.5}});
-  refused({ToolData::Kind::box, {{0, 0, 0}}, {1, -1, 1, 1, 0}});
-  refused({ToolData::Kind::hull, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {}});
-  refused({static_cast<ToolData::Kind>(4), {{0, 0, 0}}, {1}});
+  const auto error = [](const ToolData& data) { return error_of([&] { Tool::from(data); }); };
+  EXPECT_EQ(error({}), "0 points and 0 sizes make no tool of kind 0");
+  EXPECT_EQ(error({ToolData::Kind::sphere, {{0, 0, 0}}, {}}), "1 points and 0 sizes make no tool of kind 0");
+  EXPECT_THAT(error({ToolData::Kind::sphere, {{0, 0, 0}}, {-1}}), HasSubstr("the radius of a sphere"));
+  EXPECT_EQ(error({ToolData::Kind::capsule, {{0, 0, 0}}, {1}}),
+            "1 points and 1 sizes make no tool of kind 1");
+  EXPECT_THAT(error({ToolData::Kind::box, {{0, 0, 0}}, {1, 1, 1, 0.5, 0.5}}), HasSubstr("the turn of a box"));
+  EXPECT_THAT(error({ToolData::Kind::box, {{0, 0, 0}}, {1, -1, 1, 1, 0}}), HasSubstr("half a side of a box"));
+  EXPECT_THAT(error({ToolData::Kind::hull, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {}}),
+              HasSubstr("lie in a plane"));
+  EXPECT_EQ(error({static_cast<ToolData::Kind>(4), {{0, 0, 0}}, {1}}),
+            "1 points and 1 sizes make no tool of kind 4");
 }
 
 }  // namespace

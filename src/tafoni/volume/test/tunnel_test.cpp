@@ -2,13 +2,16 @@
 
 #include <cmath>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 
 namespace tafoni::volume {
 namespace {
+
+using testing::HasSubstr;
 
 /// The document's words: the least of distance - radius over many points of the axis.
 double by_points(const Tunnel& tunnel, Vec3d p) {
@@ -160,10 +163,16 @@ TEST(Tunnel, OneCanStandOnAFloor) {
 TEST(Tunnel, RefusesWhatIsWrong) {
   TunnelSettings s;
   s.radius = 0;
-  EXPECT_THROW(fractal_tunnel({}, {1, 0, 0}, s), Error);
+  EXPECT_THAT(error_of([&] {
+                fractal_tunnel({}, {1, 0, 0}, s);
+              }),
+              HasSubstr("radius and step must be positive lengths in metres"));
   s = {};
   s.step = 0;
-  EXPECT_THROW(fractal_tunnel({}, {1, 0, 0}, s), Error);
+  EXPECT_THAT(error_of([&] {
+                fractal_tunnel({}, {1, 0, 0}, s);
+              }),
+              HasSubstr("radius and step must be positive lengths in metres"));
 }
 
 }  // namespace
