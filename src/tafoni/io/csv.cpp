@@ -138,7 +138,7 @@ class PrimitiveRows {
   }
 
  private:
-  static constexpr std::size_t absent = static_cast<std::size_t>(-1);
+  static constexpr std::size_t absent = std::string::npos;
   static constexpr double energy_limit = 1e6;
 
   void read_header() {
@@ -166,7 +166,7 @@ class PrimitiveRows {
 
   std::size_t column(std::string_view title) const {
     const auto found = std::find(titles_.begin(), titles_.end(), title);
-    return found == titles_.end() ? absent : static_cast<std::size_t>(found - titles_.begin());
+    return found == titles_.end() ? absent : found - titles_.begin();
   }
   std::string_view at(std::size_t column) const {
     return column == absent ? std::string_view{} : lines_.fields()[column];
@@ -183,7 +183,7 @@ class PrimitiveRows {
                  near.empty() ? fmt::format("known are {}", fmt::join(kinds_, ", "))
                               : fmt::format("did you mean {}?", near));
     }
-    p.kind = field::all_primitives()[static_cast<std::size_t>(found - kinds_.begin())];
+    p.kind = field::all_primitives()[found - kinds_.begin()];
     p.position = {lines_.number_at(position_[0], "x"), lines_.number_at(position_[1], "y"),
                   lines_.number_at(position_[2], "z")};
     const double energy = lines_.number_at(energy_, "energy");

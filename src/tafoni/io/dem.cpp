@@ -106,7 +106,7 @@ class Reader {
       fail(ErrorKind::usage, "{}: a resolution of {} m leaves {} x {} pixels; choose a finer one.",
            source_->name, options_.resolution, width, height);
     constexpr double copies_while_mending = 4;
-    impl::check_memory(static_cast<double>(width) * height, copies_while_mending, source_->name);
+    impl::check_memory(1.0 * width * height, copies_while_mending, source_->name);
     raster::Raster raster{impl::read_window(*source_, window_, fx, fy, width, height, progress_),
                           {0, 0, frame_.pixel_x * fx, frame_.pixel_y * fy},
                           ""};
@@ -184,18 +184,18 @@ void survey(impl::DemSource& source, DemInfo& info, Progress& progress) {
   const int width = source.width(), height = source.height();
   const impl::Level& own = source.levels.front();
   const int rows = std::clamp((1 << 21) / width / own.block_height * own.block_height, 1, height);
-  std::vector<double> strip(static_cast<std::size_t>(width) * static_cast<std::size_t>(rows));
+  std::vector<double> strip(std::int64_t{width} * rows);
   // Terraces show in any part; keep one strip's worth of rows spread over the file.
-  const int keep_every = std::max(1, static_cast<int>(static_cast<std::int64_t>(width) * height / (1 << 21)));
+  const int keep_every = std::max(1, static_cast<int>(std::int64_t{width} * height / (1 << 21)));
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   raster::Grid<float> sample(width, std::min(height, std::max(2, (1 << 21) / width)), raster::no_data);
   int kept = 0;
-  progress.begin("survey", static_cast<std::uint64_t>(height), "rows");
+  progress.begin("survey", height, "rows");
   for (int row = 0; row < height; row += rows) {
     const int count = std::min(rows, height - row);
     source.read(0, 0, row, width, count, strip.data());
     for (int r = 0; r < count; ++r) {
-      const double* values = strip.data() + static_cast<std::size_t>(r) * static_cast<std::size_t>(width);
+      const double* values = strip.data() + std::int64_t{r} * width;
       for (int col = 0; col < width; ++col) {
         if (std::isnan(values[col])) continue;
         lowest = std::min(lowest, values[col]);
@@ -206,7 +206,7 @@ void survey(impl::DemSource& source, DemInfo& info, Progress& progress) {
         std::transform(values, values + width, sample.row(kept++),
                        [](double v) { return static_cast<float>(v); });
     }
-    progress.advance(static_cast<std::uint64_t>(count));
+    progress.advance(count);
   }
   progress.end();
   info.missing = static_cast<double>(source.report.missing) / static_cast<double>(source.report.pixels);
@@ -240,7 +240,7 @@ void describe(const impl::DemSource& source, DemInfo& info) {
     if (unit != nullptr) info.unit = unit;
   }
   auto t = source.transform;
-  if (!source.georeferenced) t = {0, 1, 0, static_cast<double>(source.height()), 0, -1};
+  if (!source.georeferenced) t = {0, 1, 0, 1.0 * source.height(), 0, -1};
   info.dx = std::hypot(t[1], t[4]);
   info.dy = std::hypot(t[2], t[5]);
   info.angle = std::atan2(t[4], t[1]);

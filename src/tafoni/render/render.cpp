@@ -64,7 +64,7 @@ float typical_distance(const impl::World& world, const View& view) {
       if (const impl::Hit hit = world.tracer().closest(view.eye, d)) distances.push_back(hit.t);
     }
   if (distances.empty()) return 0;
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  const auto middle = distances.begin() + distances.size() / 2;
   std::nth_element(distances.begin(), middle, distances.end());
   return *middle;
 }
@@ -112,9 +112,9 @@ void draw_tile(const impl::Integrator& integrator, const View& view, std::uint32
       impl::Pixel sum;
       int met = 0;
       for (std::uint32_t s = 0; s < samples; ++s) {
-        const impl::Sampler sampler(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), s, samples);
+        const impl::Sampler sampler(x, y, s, samples);
         const impl::Point2 jitter = sampler.get(impl::Stream::pixel);
-        const Vec3f d = view.direction(static_cast<float>(x) + jitter.u, static_cast<float>(y) + jitter.v);
+        const Vec3f d = view.through(x, y, jitter.u, jitter.v);
         const impl::Sample sample = integrator.eye_ray(view.eye, d, footprint, sampler);
         sum.color += sample.color;
         sum.light += sample.sky_light;
@@ -170,17 +170,13 @@ raster::Image Scene::render(const Camera& camera, const RenderSettings& settings
   const impl::Colors colors = world.colors(sea, progress);
   const impl::Integrator integrator(world, colors, light);
   // A power of two keeps every pixel's samples a whole net.
-  const std::uint32_t samples = std::bit_ceil(static_cast<std::uint32_t>(settings.samples));
+  const std::uint32_t samples = std::bit_ceil<std::uint32_t>(settings.samples);
   Film film(view.width, view.height);
   const int across = (view.width + tile - 1) / tile, down = (view.height + tile - 1) / tile;
-  progress.begin("drawing the picture", static_cast<std::uint64_t>(across) * static_cast<std::uint64_t>(down),
-                 "tiles");
+  progress.begin("drawing the picture", std::int64_t{across} * down, "tiles");
   parallel_for(
-      static_cast<std::int64_t>(across) * down,
-      [&](std::int64_t i) {
-        draw_tile(integrator, view, samples, static_cast<int>(i % across) * tile,
-                  static_cast<int>(i / across) * tile, film);
-      },
+      std::int64_t{across} * down,
+      [&](int i) { draw_tile(integrator, view, samples, i % across * tile, i / across * tile, film); },
       progress);
   impl::denoise(film, view);
   progress.end();

@@ -7,6 +7,7 @@
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/seams.h"
 #include "tafoni/io/impl/writing.h"
+#include "tafoni/io/mesh_file.h"
 
 namespace tafoni::io {
 namespace {
@@ -255,8 +256,7 @@ class Reader {
     for (std::uint64_t i = 0; i < count; ++i)
       for (int k = 0; k < colors.components; ++k) {
         const double v = colors.value(i, k);
-        mesh_.colors[base + i][static_cast<std::size_t>(k)] =
-            static_cast<std::uint8_t>(v > 0 ? std::min(v, 1.0) * 255 + 0.5 : 0.0);
+        mesh_.colors[base + i][k] = static_cast<std::uint8_t>(v > 0 ? std::min(v, 1.0) * 255 + 0.5 : 0.0);
       }
   }
 

@@ -3,6 +3,7 @@
 
 #include <stb_image_write.h>
 
+#include "tafoni/core/atomic_file.h"
 #include "tafoni/core/error.h"
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/pixels.h"

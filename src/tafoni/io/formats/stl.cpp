@@ -5,6 +5,7 @@
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/writing.h"
+#include "tafoni/io/mesh_file.h"
 
 namespace tafoni::io {
 namespace {

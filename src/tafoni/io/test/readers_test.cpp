@@ -7,6 +7,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/reading.h"
+#include "tafoni/io/mesh_file.h"
 
 namespace tafoni::io {
 namespace {

@@ -34,7 +34,7 @@ TEST_F(Tvol, EveryBitComesBack) {
     volume.grid.edit({{40, 40, 20}, {60, 60, 40}}, [](Vec3i first, std::span<float> row) {
       constexpr float odd[] = {0.0f, -0.0f, 1e-42f, -6e-8f, 65504, -1e-3f, 6e4f};
       for (std::size_t i = 0; i < row.size(); ++i)
-        row[i] = odd[(i + static_cast<std::size_t>(first.y) * 3 + static_cast<std::size_t>(first.z)) % 7];
+        row[i] = odd[(i + std::int64_t{first.y} * 3 + first.z) % 7];
     });
     write_volume(path("a.tvol"), volume);
     const Volume back = read_volume(path("a.tvol"));

@@ -30,10 +30,10 @@ double interest(const World& world, const Camera& camera, double aspect, std::op
   view.width = width;
   view.height = height;
   std::array<double, height> rows{};
-  parallel_for(height, [&](std::int64_t row) {
+  parallel_for(height, [&](int row) {
     double score = 0;
     for (int x = 0; x < width; ++x) {
-      const Vec3f d = view.direction(static_cast<float>(x) + 0.5f, static_cast<float>(row) + 0.5f);
+      const Vec3f d = view.through(x, row);
       const Hit hit = world.tracer().closest(view.eye, d);
       if (!hit) continue;
       const Vec3f p = view.eye + d * hit.t;
@@ -49,7 +49,7 @@ double interest(const World& world, const Camera& camera, double aspect, std::op
       else
         score += 0.15 + 1.5 * (1 - std::abs(hit.face.z));
     }
-    rows[static_cast<std::size_t>(row)] = score;
+    rows[row] = score;
   });
   double sum = 0;
   for (const double row : rows) sum += row;
@@ -71,7 +71,7 @@ Openness look_around(const World& world, Vec3f eye) {
     // A spherical Fibonacci lattice.
     const double z = 1 - (2 * i + 1.0) / count, phi = i * 2.399963229728653, r = std::sqrt(1 - z * z);
     const Hit hit = world.tracer().closest(eye, to_float({r * std::cos(phi), r * std::sin(phi), z}));
-    distances[static_cast<std::size_t>(i)] = std::min(hit.t, length(world.box().size()));
+    distances[i] = std::min(hit.t, length(world.box().size()));
     if (z > 0.2) {
       ++upper;
       blocked += hit ? 1 : 0;
@@ -80,7 +80,7 @@ Openness look_around(const World& world, Vec3f eye) {
   std::sort(distances.begin(), distances.end());
   open.near = distances[count / 16];
   open.room = distances[count / 4];
-  open.roofed = static_cast<double>(blocked) / upper;
+  open.roofed = 1.0 * blocked / upper;
   return open;
 }
 
@@ -113,8 +113,7 @@ Outlook best_direction(const World& world, Vec3f eye, float room) {
     float ahead = 0;
     for (int y = 0; y < view.height; ++y)
       for (int x = 0; x < view.width; ++x) {
-        const Hit hit = world.tracer().closest(
-            eye, view.direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f));
+        const Hit hit = world.tracer().closest(eye, view.through(x, y));
         // Daylight at the end is worth no more than a wall at that distance.
         depths.push_back(hit ? std::min(hit.t, 12 * room) : room);
         if (x >= 14 && x < 18 && y >= 7 && y < 11) ahead += depths.back();
@@ -123,7 +122,7 @@ Outlook best_direction(const World& world, Vec3f eye, float room) {
     const auto at = [&](double share) {
       return depths[static_cast<std::size_t>(share * static_cast<double>(depths.size()))];
     };
-    scores[static_cast<std::size_t>(i)] = at(0.1) + 0.5 * at(0.5) + 2.0 * ahead / 16;
+    scores[i] = at(0.1) + 0.5 * at(0.5) + 2.0 * ahead / 16;
   });
   const auto best = std::max_element(scores.begin(), scores.end());
   return {direction(static_cast<int>(best - scores.begin())), *best};
@@ -131,13 +130,13 @@ Outlook best_direction(const World& world, Vec3f eye, float room) {
 
 /// A place at eye height above a floor under the widest roof.
 std::optional<Vec3f> find_cave(const World& world, std::optional<float> sea) {
-  const auto triangles = static_cast<std::uint64_t>(world.mesh().triangles.size());
+  const std::size_t triangles = world.mesh().triangles.size();
   constexpr std::int64_t tries = 20000;
   std::vector<double> scores(tries, 0);
   std::vector<Vec3f> eyes(tries);
   const float reach = length(world.box().size());
   parallel_for(tries, [&](std::int64_t i) {
-    Random random(17, static_cast<std::uint64_t>(i));
+    Random random(17, i);
     const auto triangle = static_cast<std::uint32_t>(random.below(triangles));
     const Vec3f n = world.face_normal(triangle), p = world.center(triangle);
     if (n.z < 0.5f || (sea && p.z < *sea)) return;
@@ -148,8 +147,8 @@ std::optional<Vec3f> find_cave(const World& world, std::optional<float> sea) {
     const Vec3f eye = from + Vec3f{0, 0, 1} * std::min(0.45f * roof.t, 4 * world.spacing() + 1.7f);
     const Openness open = look_around(world, eye);
     if (open.roofed < 0.9) return;
-    eyes[static_cast<std::size_t>(i)] = eye;
-    scores[static_cast<std::size_t>(i)] = open.room * std::min(1.0f, 3 * open.near / open.room);
+    eyes[i] = eye;
+    scores[i] = open.room * std::min(1.0f, 3 * open.near / open.room);
   });
   // Of the roomiest places the one with the best outlook.
   std::vector<std::size_t> order(tries);
@@ -161,7 +160,7 @@ std::optional<Vec3f> find_cave(const World& world, std::optional<float> sea) {
   std::optional<Vec3f> best;
   double best_score = 0;
   for (std::ptrdiff_t i = 0; i < finalists; ++i) {
-    const std::size_t place = order[static_cast<std::size_t>(i)];
+    const std::size_t place = order[i];
     if (scores[place] <= 0) break;
     const double score = best_direction(world, eyes[place], look_around(world, eyes[place]).room).score;
     if (score <= best_score) continue;
@@ -180,12 +179,12 @@ template <class Measure>
 std::array<double, 4> greatest(const World& world, std::optional<float> sea, Measure&& measure) {
   const std::vector<Vec3f>& positions = world.mesh().positions;
   constexpr std::int64_t grain = 1 << 16;
-  const auto count = static_cast<std::int64_t>(positions.size());
+  const auto count = std::ssize(positions);
   constexpr std::array<double, 4> least{-1e300, -1e300, -1e300, -1e300};
-  std::vector<std::array<double, 4>> blocks(static_cast<std::size_t>((count + grain - 1) / grain), least);
+  std::vector<std::array<double, 4>> blocks((count + grain - 1) / grain, least);
   parallel_blocks(count, grain, [&](std::int64_t begin, std::int64_t end) {
-    std::array<double, 4>& block = blocks[static_cast<std::size_t>(begin / grain)];
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+    std::array<double, 4>& block = blocks[begin / grain];
+    for (std::int64_t i = begin; i < end; ++i) {
       if (sea && positions[i].z < *sea) continue;
       const std::array<double, 4> m = measure(to_double(positions[i]));
       for (std::size_t k = 0; k < 4; ++k) block[k] = std::max(block[k], m[k]);
@@ -250,7 +249,7 @@ Camera centered(const World& world, Camera camera, double aspect, std::optional<
 }
 
 Camera best_outside(const World& world, const RenderSettings& settings, std::optional<float> sea) {
-  const double aspect = static_cast<double>(settings.width) / settings.height;
+  const double aspect = 1.0 * settings.width / settings.height;
   const double fov = Camera{}.fov;
   std::vector<double> azimuths, elevations;
   if (settings.azimuth)

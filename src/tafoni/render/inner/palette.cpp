@@ -1,4 +1,4 @@
-#include "tafoni/render/palette.h"
+#include "tafoni/render/inner/palette.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,7 +35,7 @@ float texture(Vec3d p, Vec3d wavelength, float spacing, int octaves, std::uint64
           0.5f);
 }
 
-Vec3f bare_rock(const SurfacePoint& s) {
+Vec3f bare_rock(const GroundLook& s) {
   const float rho = std::clamp(s.resistance, 0.0f, 1.0f);
   Vec3f rock = rho < 0.5f ? mix(soft_rock, middle_rock, rho * 2) : mix(middle_rock, hard_rock, rho * 2 - 1);
   // Bedding: long along the strata, short across them; it shows on faces, not on treads.
@@ -52,7 +52,7 @@ Vec3f bare_rock(const SurfacePoint& s) {
 }
 
 /// Grass on treads above the spray, thinning to soil where it is steeper.
-Vec3f with_plants(const SurfacePoint& s, Vec3f rock) {
+Vec3f with_plants(const GroundLook& s, Vec3f rock) {
   const float dryness = 0.42f + 0.5f * texture(s.position, {420, 420, 420}, s.spacing, 3, 9) +
                         0.55f * texture(s.position, {70, 70, 70}, s.spacing, 4, 5) +
                         0.3f * texture(s.position, {9, 9, 9}, s.spacing, 2, 6);
@@ -65,7 +65,7 @@ Vec3f with_plants(const SurfacePoint& s, Vec3f rock) {
 }
 
 /// Sand on flats at the sea, and a dark wet band.
-Vec3f with_shore(const SurfacePoint& s, Vec3f color) {
+Vec3f with_shore(const GroundLook& s, Vec3f color) {
   const float ragged = texture(s.position, {12, 12, 12}, s.spacing, 2, 8);
   const float h = s.height_above_sea + ragged;
   const float beach = smooth(0.80f, 0.93f, s.normal.z) * (1 - smooth(2.0f, 4.5f, h));
@@ -78,7 +78,7 @@ Vec3f with_shore(const SurfacePoint& s, Vec3f color) {
 
 }  // namespace
 
-Vec3f rock_palette(const SurfacePoint& point) {
+Vec3f rock_palette(const GroundLook& point) {
   Vec3f color = bare_rock(point);
   if (point.roofed)
     color = mix(color, clay, 0.6f * smooth(0.6f, 0.9f, point.normal.z));
