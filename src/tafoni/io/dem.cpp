@@ -1,3 +1,7 @@
+// An elevation model from a file: the window is read at the resolution wanted, brought to metres and
+// north, cleared of steps, and its holes are filled; inspect_dem() says the same of a file without
+// keeping it.
+
 #include "tafoni/io/dem.h"
 
 #include <algorithm>
@@ -16,7 +20,7 @@
 namespace tafoni::io {
 namespace {
 
-std::array<int, 4> checked_window(const impl::DemSource& source, const DemOptions& options) {
+std::array<int, 4> check_window(const impl::DemSource& source, const DemOptions& options) {
   if (source.width() < 2 || source.height() < 2)
     fail(ErrorKind::input, "{} is {} x {} pixels; a terrain needs at least 2 x 2.", source.name,
          source.width(), source.height());
@@ -91,7 +95,7 @@ class Reader {
       : options_(options),
         progress_(progress),
         source_(impl::DemSource::open(path, options.band, options.height_scale)),
-        window_(checked_window(*source_, options)),
+        window_(check_window(*source_, options)),
         frame_(impl::metric_frame(*source_, window_, options.pixel_size, options.crs)) {}
 
   Dem read() {
@@ -272,7 +276,7 @@ Dem read_dem(const std::filesystem::path& path, const DemOptions& options, Progr
 
 DemInfo inspect_dem(const std::filesystem::path& path, int band, Progress& progress) {
   const auto source = impl::DemSource::open(path, band, 0);
-  const auto window = checked_window(*source, {});
+  const auto window = check_window(*source, {});
   DemInfo info;
   describe(*source, info);
   const impl::Frame frame = impl::metric_frame(*source, window, 0, "");

@@ -1,3 +1,5 @@
+// Which format a file's extension means, and the sentence for an extension that no format has.
+
 #include "tafoni/io/format.h"
 
 #include <algorithm>
@@ -10,7 +12,7 @@
 namespace tafoni::io {
 namespace {
 
-bool able(const FormatType& format, Ability ability) {
+bool can(const FormatType& format, Ability ability) {
   switch (ability) {
     case Ability::write_mesh:
       return format.write_mesh != nullptr;
@@ -29,15 +31,14 @@ bool able(const FormatType& format, Ability ability) {
 std::vector<std::string> known_extensions(std::initializer_list<Ability> abilities) {
   std::vector<std::string> known;
   for (const FormatType* format : all_formats())
-    if (std::ranges::any_of(abilities, [&](Ability ability) { return able(*format, ability); }))
+    if (std::ranges::any_of(abilities, [&](Ability ability) { return can(*format, ability); }))
       known.insert(known.end(), format->extensions.begin(), format->extensions.end());
   return known;
 }
 
 const FormatType* find(std::string_view extension, Ability ability) {
   for (const FormatType* format : all_formats())
-    if (able(*format, ability) &&
-        std::ranges::find(format->extensions, extension) != format->extensions.end())
+    if (can(*format, ability) && std::ranges::find(format->extensions, extension) != format->extensions.end())
       return format;
   return nullptr;
 }

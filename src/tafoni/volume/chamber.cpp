@@ -1,3 +1,7 @@
+// Chambers [Ju01 §4]: a lattice of a few values, written as text or taken from a preset, is subdivided
+// smoothly into a grid about as fine as wanted, which is asked by trilinear interpolation and closed at
+// its border.
+
 #include "tafoni/volume/chamber.h"
 
 #include <algorithm>

@@ -1,3 +1,7 @@
+// Edits of a grid: a function of the position is evaluated over rows of samples within a tool's or a
+// blast's reach, and each row's values are changed by it. Two plain loops a row, which compilers turn
+// into vectors.
+
 #include "tafoni/volume/edit.h"
 
 #include <algorithm>

@@ -1,3 +1,7 @@
+// Fractal volumes: a coarse lattice of values is subdivided level by level, each time with less noise
+// [Ju01 §2]. All levels but the last are kept; samples of the last are made when they are asked for, box
+// by box.
+
 #include "tafoni/volume/fractal.h"
 
 #include <algorithm>
@@ -144,7 +148,7 @@ void Fractal::read(const SampleBox& box, float* out) const {
 }
 
 Interval Fractal::range(const SampleBox& box) const {
-  return impl::subdivided_range(last_step(settings_, last_.values, last_.size), box);
+  return impl::subdivision_range(last_step(settings_, last_.values, last_.size), box);
 }
 
 ScalarGrid Fractal::grid(const SampleBox& box, Precision precision, Progress& progress) const {
@@ -160,7 +164,7 @@ ScalarGrid Fractal::grid(const SampleBox& box, Precision precision, Progress& pr
       [&](const SampleBox& part, float* out) -> std::optional<float> {
         const SampleBox own{part.lo + lo, part.hi + lo};
         if (s.limit < 1e30) {
-          const Interval range = impl::subdivided_range(step, own);
+          const Interval range = impl::subdivision_range(step, own);
           if (range.lo >= step.limit) return step.limit;
           if (range.hi <= -step.limit) return -step.limit;
         }

@@ -1,3 +1,6 @@
+// Prism-fields from boxes, heightfields, grids and fields. Of grids and fields each column's tops and
+// bottoms are the changes of sign along it; for fields their places are then refined by halving.
+
 #include "tafoni/volume/prism_convert.h"
 
 #include <algorithm>

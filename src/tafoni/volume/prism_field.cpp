@@ -1,3 +1,6 @@
+// The layers of a prism-field: tiles of columns shared between copies until one is edited, and how a
+// tool's span cuts, splits, joins and fills the matter of each column [Boggus §3].
+
 #include "tafoni/volume/prism_field.h"
 
 #include <algorithm>

@@ -1,3 +1,7 @@
+// A prism-field as a leaf of construction trees. Each cell's slabs give first-order distances up and
+// down; walls, the slabs' sides that no neighbour continues, give distances sideways within a cell. Tiles
+// remember their highest top, so that air above all ground is told at once.
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -46,7 +50,7 @@ class PrismFunction final : public field::Function {
         for (int i = 0; i < cells_x_; ++i) {
           const auto all = cells.slabs(i, j, DeadPoints::triangles);
           const bool cut = cells.cut_0_to_2(all);
-          for (const PrismCells::Slab& s : all) slabs_.push_back(made(cells, s, cut, floor));
+          for (const PrismCells::Slab& s : all) slabs_.push_back(make_slab(cells, s, cut, floor));
           starts_.push_back(end_of(slabs_));
         }
     }
@@ -65,7 +69,7 @@ class PrismFunction final : public field::Function {
  private:
   static constexpr int tile_cells = 8;
 
-  Slab made(const PrismCells& cells, const PrismCells::Slab& s, bool cut, float floor) const {
+  Slab make_slab(const PrismCells& cells, const PrismCells::Slab& s, bool cut, float floor) const {
     Slab out{{}, {}, s.corners, cut};
     for (std::size_t k = 0; k < 4; ++k) {
       if (!(s.corners >> k & 1)) continue;

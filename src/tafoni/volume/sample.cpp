@@ -1,3 +1,7 @@
+// A field as a grid: columns of blocks go to threads, whose evaluators look only at bricks that may hold
+// the surface. What an interval shows to be one value, or beyond the band, is written down without
+// looking.
+
 #include "tafoni/volume/sample.h"
 
 #include <algorithm>

@@ -1,3 +1,6 @@
+// Scalar grids: slots of 32^3 samples that are either one value or a shared chunk. Reads, edits and
+// interpolation go chunk by chunk; ranges are kept by blocks of 8^3 samples.
+
 #include "tafoni/volume/scalar_grid.h"
 
 #include <algorithm>
@@ -345,7 +348,7 @@ void ScalarGrid::generate(const std::function<std::optional<float>(const SampleB
           slot = {{}, row[0]};
           return;
         }
-        slot = {ChunkPtr(impl::made_of(std::move(samples), state.precision, box.size()).release()), 0};
+        slot = {ChunkPtr(impl::make_chunk(std::move(samples), state.precision, box.size()).release()), 0};
       },
       progress);
 }

@@ -1,3 +1,6 @@
+// Tunnels [Ju01 §3]: an axis of displaced midpoints, levelled so that it can be walked, and its carving
+// into a grid, brick by brick, by the segments that reach each brick.
+
 #include "tafoni/volume/tunnel.h"
 
 #include <algorithm>

@@ -1,3 +1,7 @@
+// glTF 2.0 binary: one mesh in a node whose extras hold what glTF has no place for, y up. The reader
+// gathers the triangles of every node of the default scene; what it does not know it refuses by a
+// sentence.
+
 #include <algorithm>
 #include <string>
 #include <vector>

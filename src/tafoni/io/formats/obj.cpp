@@ -1,3 +1,6 @@
+// Wavefront OBJ: text with the shortest numbers that read back the same; colours follow the position. The
+// reader takes what a mesh can hold and passes over the rest.
+
 #include <algorithm>
 #include <charconv>
 #include <string>

@@ -1,3 +1,5 @@
+// OFF, read only: a count of vertices and faces, their lines, and polygons that become fans of triangles.
+
 #include <algorithm>
 #include <string>
 

@@ -1,3 +1,6 @@
+// PLY: little-endian binary out; text and both byte orders in, whatever the order and types of the
+// properties.
+
 #include <algorithm>
 #include <string>
 

@@ -1,3 +1,6 @@
+// STL: triangles with no vertices in common, which the reader welds; the header's 80 bytes hold the world
+// origin. Binary out, binary and text in.
+
 #include <algorithm>
 #include <array>
 #include <string>

@@ -149,7 +149,7 @@ void decode(const std::vector<std::byte>& planes, Vec3i size, std::vector<float>
   for (std::size_t i = 0; i < v.size(); ++i) values[i] = to_value(from_ordered(v[i]));
 }
 
-std::string compressed(std::string_view raw) {
+std::string compress(std::string_view raw) {
   ZSTD_CCtx* context = ZSTD_createCCtx();
   ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, level);
   std::string out(ZSTD_compressBound(raw.size()), '\0');
@@ -186,13 +186,13 @@ std::string header_of(const Volume& volume, std::size_t text, std::size_t table)
   return out;
 }
 
-std::string encoded(const ScalarGrid& grid, std::int64_t index) {
+std::string encode_chunk(const ScalarGrid& grid, std::int64_t index) {
   const volume::SampleBox box = impl::chunk_box(grid, index);
   const Vec3i n = box.size();
   std::vector<float> values(box.count());
   grid.read(box, values.data());
-  return compressed(grid.precision() == Precision::half ? encode<std::uint16_t>(values, n)
-                                                        : encode<std::uint32_t>(values, n));
+  return compress(grid.precision() == Precision::half ? encode<std::uint16_t>(values, n)
+                                                      : encode<std::uint32_t>(values, n));
 }
 
 void write(AtomicFile& out, const Volume& volume, Progress& progress) {
@@ -210,13 +210,13 @@ void write(AtomicFile& out, const Volume& volume, Progress& progress) {
           return;
         }
         std::string& chunk = data[i];
-        chunk = encoded(grid, i);
+        chunk = encode_chunk(grid, i);
         entry = {static_cast<std::uint32_t>(chunk.size()), short_hash_of(bytes_of(chunk))};
       },
       progress);
   const std::string text = text_of(volume.metadata);
   const std::string packed =
-      compressed({reinterpret_cast<const char*>(table.data()), table.size() * sizeof(TableEntry)});
+      compress({reinterpret_cast<const char*>(table.data()), table.size() * sizeof(TableEntry)});
   std::string head = header_of(volume, text.size(), packed.size());
   impl::put(head, hash_of(bytes_of(packed), hash_of(bytes_of(text), hash_of(bytes_of(head)))));
   out.write(head);

@@ -52,7 +52,7 @@ void initialize() {
 
 /// Runs work and says what OpenVDB throws as one sentence.
 template <class Work>
-auto guarded(ErrorKind kind, std::string_view file, const Work& work) {
+auto guard(ErrorKind kind, std::string_view file, const Work& work) {
   try {
     initialize();
     return work();
@@ -186,7 +186,7 @@ class Archive : public openvdb::io::Archive {
 };
 
 void write(AtomicFile& out, const Volume& volume, Progress& progress) {
-  guarded(ErrorKind::output, out.path().string(), [&] {
+  guard(ErrorKind::output, out.path().string(), [&] {
     const FloatGrid::Ptr grid = to_vdb(volume, progress);
     openvdb::MetaMap meta;
     const MeshMetadata& metadata = volume.metadata;
@@ -227,7 +227,7 @@ class Bytes : public std::streambuf {
 };
 
 /// The grid to read: a level set, or one with a usual name, or the first.
-FloatGrid::Ptr chosen(const openvdb::GridPtrVec& grids, std::string_view file) {
+FloatGrid::Ptr choose_grid(const openvdb::GridPtrVec& grids, std::string_view file) {
   FloatGrid::Ptr best;
   int rank = -1;
   std::string others;
@@ -304,7 +304,7 @@ struct Indices {
 
 /// The active voxels with a cell of what lies around, which closes the surface. Begins at a leaf, so that
 /// chunks and leaves stay in step.
-std::optional<Indices> active(const FloatGrid& grid) {
+std::optional<Indices> active_indices(const FloatGrid& grid) {
   const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
   if (box.empty()) return std::nullopt;
   Indices out;
@@ -335,7 +335,7 @@ void take(Place& place, const Indices& samples, std::string_view file) {
 Place place_of(const FloatGrid& grid, std::string_view file) {
   Place place;
   const double spacing = place.frame.spacing = spacing_of(grid, file);
-  const std::optional<Indices> voxels = active(grid);
+  const std::optional<Indices> voxels = active_indices(grid);
   const auto size = grid.getMetadata<openvdb::Vec3IMetadata>(size_key);
   const auto origin = grid.getMetadata<openvdb::Vec3DMetadata>(origin_key);
   const auto local = grid.getMetadata<openvdb::Vec3DMetadata>(local_key);
@@ -419,13 +419,13 @@ MeshMetadata metadata_of(const openvdb::MetaMap& meta) {
 }
 
 Volume read(std::span<const std::byte> bytes, std::string_view file, Progress& progress) {
-  return guarded(ErrorKind::input, file, [&] {
+  return guard(ErrorKind::input, file, [&] {
     Bytes buffer(bytes);
     std::istream in(&buffer);
     // OpenVDB goes on with what it could not read, as sizes.
     in.exceptions(std::ios_base::badbit | std::ios_base::failbit | std::ios_base::eofbit);
     openvdb::io::Stream stream(in, false);
-    const FloatGrid::Ptr grid = chosen(*stream.getGrids(), file);
+    const FloatGrid::Ptr grid = choose_grid(*stream.getGrids(), file);
     const Place place = place_of(*grid, file);
     const Convert convert = converter(*grid, place.frame.spacing);
     Volume out =

@@ -1,3 +1,7 @@
+// Elevation files as windows of heights: through GDAL, or as headerless square heightmaps of 16 bits.
+// Marks of missing data that no tag admits to are found here, and windows are averaged down by strips
+// from the coarsest overview that is fine enough.
+
 #include "tafoni/io/impl/dem_source.h"
 
 #include <algorithm>

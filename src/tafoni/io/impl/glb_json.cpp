@@ -1,3 +1,6 @@
+// Reading the JSON of a glTF file: each key, index and accessor is checked to exist, to be of its kind
+// and to lie inside of the binary chunk before it is used.
+
 #include "tafoni/io/impl/glb_json.h"
 
 #include <cmath>

@@ -16,7 +16,7 @@ inline void append_to(void* bytes, void* data, int size) {
 }
 
 /// The first `channels` of each pixel, row by row.
-inline std::vector<std::uint8_t> interleaved(const raster::Image& image, int channels) {
+inline std::vector<std::uint8_t> interleave(const raster::Image& image, int channels) {
   std::vector<std::uint8_t> bytes;
   bytes.reserve(image.size() * channels);
   for (const auto& pixel : image.values()) bytes.insert(bytes.end(), pixel.begin(), pixel.begin() + channels);

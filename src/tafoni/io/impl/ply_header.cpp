@@ -1,3 +1,6 @@
+// The header of a PLY file is read line by line; counts that cannot fit in the file are refused before
+// anything is given memory for them.
+
 #include "tafoni/io/impl/ply_header.h"
 
 #include <utility>

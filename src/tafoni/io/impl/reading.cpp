@@ -1,3 +1,6 @@
+// What readers share: a file mapped into memory, steps through text with the line for messages, welding
+// of vertices, and the last check of a mesh that was read.
+
 #include "tafoni/io/impl/reading.h"
 
 #include <bit>

@@ -1,3 +1,6 @@
+// What formats of volumes share: chunks in their order, filled by many threads in groups and checked to
+// be finite, and the generator's values as JSON.
+
 #include "tafoni/io/impl/volume_chunks.h"
 
 #include <algorithm>

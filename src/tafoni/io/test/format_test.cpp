@@ -318,7 +318,8 @@ TEST(Obj, ReadsCornersWithAndWithoutTexture) {
   ASSERT_EQ(quad.texture.size(), 2u);
   EXPECT_EQ(quad.texture[1][2], (Vec2<float>{1, 0}));
   EXPECT_TRUE(read(points + "f 1/1 2/2 3/1\nf 1 3 4\n").texture.empty());
-  EXPECT_THROW(read(points + "f 1/1 2/3 3/1\n"), Error);
+  EXPECT_THAT(error_of([&] { read(points + "f 1/1 2/3 3/1\n"); }, ErrorKind::input),
+              HasSubstr("index 3 is not defined here"));
 }
 
 }  // namespace

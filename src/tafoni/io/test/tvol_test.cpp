@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/io/test/volumes.h"
 
 namespace tafoni::io {
@@ -175,8 +176,8 @@ TEST_F(Tvol, RefusesOtherVersionsFormatsAndValues) {
                    [](Vec3i, std::span<float> row) { row[0] = std::numeric_limits<float>::quiet_NaN(); });
   write_volume(path("b.tvol"), volume);
   EXPECT_THAT(sentence(bytes("b.tvol")), HasSubstr("not finite"));
-  EXPECT_THROW(read_volume(path("none.tvol")), Error);
-  EXPECT_THROW(read_volume(path("a.ply")), Error);
+  EXPECT_THAT(error_of([&] { read_volume(path("none.tvol")); }), HasSubstr("none.tvol: cannot be opened"));
+  EXPECT_THAT(error_of([&] { read_volume(path("a.ply")); }), HasSubstr("cannot be read as a volume"));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Our volumes as OpenVDB reads them, and what other programs write as we read it.
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/io/test/volumes.h"
 
 #ifdef TAFONI_OPENVDB
@@ -295,7 +296,8 @@ TEST_F(Vdb, CutOffFilesGiveASentence) {
       EXPECT_THAT(error.what(), HasSubstr("test: "));
     }
   }
-  EXPECT_THROW(parse("vdb", "solid ball\nendsolid\n"), Error);
+  EXPECT_THAT(tafoni::error_of([] { parse("vdb", "solid ball\nendsolid\n"); }),
+              HasSubstr("test: OpenVDB says: "));
 }
 
 }  // namespace
@@ -309,7 +311,10 @@ namespace {
 using Vdb = VolumeFiles;
 
 TEST_F(Vdb, WithoutOpenVdbItSaysSo) {
-  EXPECT_THROW(write_volume(path("a.vdb"), hollow_ball(volume::Precision::single)), Error);
+  EXPECT_NE(tafoni::error_of([&] {
+              write_volume(path("a.vdb"), hollow_ball(volume::Precision::single));
+            }).find("this build has no OpenVDB"),
+            std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(path("a.vdb")));
   try {
     parse("vdb", "x");

@@ -1,3 +1,6 @@
+// The mesh made ready to be seen: its box, spacing, normals and colours, and the point, normal and start
+// of further rays where a ray meets it.
+
 #include "tafoni/render/impl/world.h"
 
 #include <algorithm>
@@ -10,7 +13,7 @@
 namespace tafoni::render::impl {
 namespace {
 
-const mesh::Mesh& not_empty(const mesh::Mesh& mesh) {
+const mesh::Mesh& require_triangles(const mesh::Mesh& mesh) {
   if (mesh.triangles.empty())
     fail(ErrorKind::input, "The mesh has no triangles, so there is nothing to draw.");
   return mesh;
@@ -47,7 +50,7 @@ std::vector<Vec3f> vertex_normals(const mesh::Mesh& mesh) {
 }  // namespace
 
 World::World(const mesh::Mesh& mesh, Progress& progress)
-    : mesh_(not_empty(mesh)),
+    : mesh_(require_triangles(mesh)),
       box_(box_of(mesh)),
       spacing_(median_edge(mesh)),
       own_normals_(mesh.normals.empty() ? vertex_normals(mesh) : std::vector<Vec3f>()),

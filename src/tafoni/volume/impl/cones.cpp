@@ -1,3 +1,6 @@
+// The least distance to a tunnel's segments, rounded cones, at the 8^3 samples of a brick, over SIMD
+// lanes; and the same at one point in double.
+
 #include "tafoni/volume/impl/cones.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -1,3 +1,7 @@
+// One level of midpoint subdivision over SIMD lanes: the coarse samples that a box reads are copied into
+// a patch, continued straight beyond the border, and interpolated plane by plane, row by row, sample by
+// sample, by four points; noise is hashed from the seed, the level and the place.
+
 #include "tafoni/volume/impl/subdivision.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -232,7 +236,7 @@ void subdivide(const Subdivision& step, const SampleBox& box, float* out, std::s
   }
 }
 
-Interval subdivided_range(const Subdivision& step, const SampleBox& box) {
+Interval subdivision_range(const Subdivision& step, const SampleBox& box) {
   const Patch patch(step.coarse, box, scratch().patch);
   float lo = *patch.row(0, 0), hi = lo;
   for (int z = 0; z < patch.size().z; ++z)

@@ -1,3 +1,7 @@
+// How columns connect across one cell of a prism-field: intervals that overlap along the cell's sides are
+// joined into pieces; air within a piece, which ends beside a column, splits it into slabs; see the
+// header.
+
 #include "tafoni/volume/inner/prism_cells.h"
 
 #include <algorithm>
