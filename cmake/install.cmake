@@ -14,13 +14,15 @@ endif()
 install(TARGETS ${modules} tafoni_umbrella EXPORT tafoni_targets)
 install(EXPORT tafoni_targets FILE tafoniTargets.cmake NAMESPACE tafoni:: DESTINATION ${package_dir})
 
-# Of impl/ only what public templates include.
+# Only what a stranger may use: impl/ is a module's own (but for *.inl.h, which public templates include), inner/
+# the house's, *-inl.h the code of kernels, and the rooms of landforms/ (site/, rock/, one a landform) serve
+# landforms alone. tests/install compiles each header against what is installed, so that none includes one that
+# is not.
 file(GLOB_RECURSE headers RELATIVE ${CMAKE_SOURCE_DIR}/src CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/tafoni/*.h)
 set(inline_headers ${headers})
 list(FILTER inline_headers INCLUDE REGEX "\\.inl\\.h$")
-list(FILTER headers EXCLUDE REGEX "/test/|/impl/|-inl\\.h$")
-list(APPEND headers ${inline_headers})
-foreach(header IN LISTS headers)
+list(FILTER headers EXCLUDE REGEX "/(test|impl|inner)/|-inl\\.h$|^tafoni/landforms/.*/")
+foreach(header IN LISTS headers inline_headers)
   get_filename_component(dir ${header} DIRECTORY)
   install(FILES ${CMAKE_SOURCE_DIR}/src/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${dir})
 endforeach()

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "tafoni/io/format.h"
+#include "tafoni/io/mesh_file.h"
 #include "tafoni/query/walker.h"
 #include "tafoni/runtime/destructible_terrain.h"
 

@@ -1,4 +1,4 @@
-#include "tafoni/io/format.h"
+#include "tafoni/io/mesh_file.h"
 #include "tafoni/scene/products/mesh_scene.h"
 
 using namespace tafoni;

@@ -8,7 +8,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
-#include "tafoni/io/format.h"
+#include "tafoni/io/mesh_file.h"
 #include "tafoni/query/field_collider.h"
 #include "tafoni/query/mesh_collider.h"
 #include "tafoni/scene/products/mesh_scene.h"

@@ -10,6 +10,9 @@
 
 #include "tafoni/core/atomic_file.h"
 #include "tafoni/io/format.h"
+#include "tafoni/io/image_file.h"
+#include "tafoni/io/mesh_file.h"
+#include "tafoni/io/volume_file.h"
 #include "tafoni/mesh/texture.h"
 #include "tafoni/scene/products/mesh_scene.h"
 #include "tafoni/scene/products/volume_scene.h"

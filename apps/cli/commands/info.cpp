@@ -7,6 +7,7 @@
 
 #include "tafoni/io/dem.h"
 #include "tafoni/io/format.h"
+#include "tafoni/io/volume_file.h"
 
 namespace tafoni::cli {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/io/format.h"
+#include "tafoni/io/mesh_file.h"
 #include "tafoni/scene/products/mesh_scene.h"
 #include "tafoni/scene/products/sgm.h"
 

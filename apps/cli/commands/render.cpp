@@ -11,6 +11,8 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/io/format.h"
+#include "tafoni/io/image_file.h"
+#include "tafoni/io/mesh_file.h"
 #include "tafoni/scene/products/cut.h"
 #include "tafoni/scene/products/mesh_scene.h"
 

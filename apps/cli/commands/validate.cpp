@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tafoni/core/error.h"
-#include "tafoni/io/format.h"
+#include "tafoni/io/mesh_file.h"
 
 namespace tafoni::cli {
 namespace {

@@ -1,3 +1,6 @@
+// Comma-separated tables: lines and fields first, then columns found by their titles, then primitives
+// whose columns are the parameters of their kind.
+
 #include "tafoni/io/csv.h"
 
 #include <algorithm>
@@ -19,7 +22,7 @@
 namespace tafoni::io {
 namespace {
 
-std::string_view trimmed(std::string_view s) {
+std::string_view trim(std::string_view s) {
   const auto first = s.find_first_not_of(" \t\r");
   if (first == std::string_view::npos) return {};
   s.remove_prefix(first);
@@ -29,7 +32,7 @@ std::string_view trimmed(std::string_view s) {
 }
 
 /// What of a field goes into a message: short and printable.
-std::string shown(std::string_view field) {
+std::string printable(std::string_view field) {
   std::string out;
   for (char c : field.substr(0, 40)) out += c >= ' ' && c < 127 ? c : '?';
   return field.size() > 40 ? out + "…" : out;
@@ -45,7 +48,7 @@ class Lines {
   bool next() {
     while (!rest_.empty()) {
       const auto end = rest_.find('\n');
-      const std::string_view line = trimmed(rest_.substr(0, end));
+      const std::string_view line = trim(rest_.substr(0, end));
       rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
       ++number_;
       if (line.empty() || line.front() == '#') continue;
@@ -66,8 +69,8 @@ class Lines {
   double number_at(std::size_t column, std::string_view title) const {
     const auto field = fields_[column];
     const auto value = to_number(field);
-    if (!value) bad("{} is \"{}\", which is not a number", title, shown(field));
-    if (!std::isfinite(*value)) bad("{} is \"{}\", which is not finite", title, shown(field));
+    if (!value) bad("{} is \"{}\", which is not a number", title, printable(field));
+    if (!std::isfinite(*value)) bad("{} is \"{}\", which is not finite", title, printable(field));
     return *value;
   }
   static std::optional<double> to_number(std::string_view field) {
@@ -86,7 +89,7 @@ class Lines {
     fields_.clear();
     for (;;) {
       const auto comma = line.find(',');
-      fields_.push_back(trimmed(line.substr(0, comma)));
+      fields_.push_back(trim(line.substr(0, comma)));
       if (comma == std::string_view::npos) return;
       line.remove_prefix(comma + 1);
     }
@@ -138,7 +141,7 @@ class PrimitiveRows {
   }
 
  private:
-  static constexpr std::size_t absent = static_cast<std::size_t>(-1);
+  static constexpr std::size_t absent = std::string::npos;
   static constexpr double energy_limit = 1e6;
 
   void read_header() {
@@ -150,7 +153,7 @@ class PrimitiveRows {
       const std::string title = lower(field);
       if (std::find(known.begin(), known.end(), title) == known.end()) {
         const std::string near = nearest(title.substr(0, 40), known);
-        lines_.bad("column \"{}\" is not known; {}", shown(title),
+        lines_.bad("column \"{}\" is not known; {}", printable(title),
                    near.empty() ? fmt::format("known are {}", fmt::join(known, ", "))
                                 : fmt::format("did you mean {}?", near));
       }
@@ -166,7 +169,7 @@ class PrimitiveRows {
 
   std::size_t column(std::string_view title) const {
     const auto found = std::find(titles_.begin(), titles_.end(), title);
-    return found == titles_.end() ? absent : static_cast<std::size_t>(found - titles_.begin());
+    return found == titles_.end() ? absent : found - titles_.begin();
   }
   std::string_view at(std::size_t column) const {
     return column == absent ? std::string_view{} : lines_.fields()[column];
@@ -179,11 +182,11 @@ class PrimitiveRows {
     const auto found = std::find(kinds_.begin(), kinds_.end(), word);
     if (found == kinds_.end()) {
       const std::string near = nearest(word.substr(0, 40), kinds_);
-      lines_.bad("kind is \"{}\"; {}", shown(word),
+      lines_.bad("kind is \"{}\"; {}", printable(word),
                  near.empty() ? fmt::format("known are {}", fmt::join(kinds_, ", "))
                               : fmt::format("did you mean {}?", near));
     }
-    p.kind = field::all_primitives()[static_cast<std::size_t>(found - kinds_.begin())];
+    p.kind = field::all_primitives()[found - kinds_.begin()];
     p.position = {lines_.number_at(position_[0], "x"), lines_.number_at(position_[1], "y"),
                   lines_.number_at(position_[2], "z")};
     const double energy = lines_.number_at(energy_, "energy");
@@ -224,7 +227,7 @@ class PrimitiveRows {
   void finish_chain(const std::vector<Primitive>& out, const std::string& chain) const {
     if (!chain.empty() && out.back().further.empty())
       fail(ErrorKind::input, "{}:{}: {} \"{}\" is one row; give two or more of this id, one a vertex",
-           lines_.name(), out.back().line, out.back().kind->about.name, shown(chain));
+           lines_.name(), out.back().line, out.back().kind->about.name, printable(chain));
   }
 
   /// What every kind has; the first five are needed.

@@ -1,3 +1,7 @@
+// An elevation model from a file: the window is read at the resolution wanted, brought to metres and
+// north, cleared of steps, and its holes are filled; inspect_dem() says the same of a file without
+// keeping it.
+
 #include "tafoni/io/dem.h"
 
 #include <algorithm>
@@ -16,7 +20,7 @@
 namespace tafoni::io {
 namespace {
 
-std::array<int, 4> checked_window(const impl::DemSource& source, const DemOptions& options) {
+std::array<int, 4> check_window(const impl::DemSource& source, const DemOptions& options) {
   if (source.width() < 2 || source.height() < 2)
     fail(ErrorKind::input, "{} is {} x {} pixels; a terrain needs at least 2 x 2.", source.name,
          source.width(), source.height());
@@ -91,7 +95,7 @@ class Reader {
       : options_(options),
         progress_(progress),
         source_(impl::DemSource::open(path, options.band, options.height_scale)),
-        window_(checked_window(*source_, options)),
+        window_(check_window(*source_, options)),
         frame_(impl::metric_frame(*source_, window_, options.pixel_size, options.crs)) {}
 
   Dem read() {
@@ -106,7 +110,7 @@ class Reader {
       fail(ErrorKind::usage, "{}: a resolution of {} m leaves {} x {} pixels; choose a finer one.",
            source_->name, options_.resolution, width, height);
     constexpr double copies_while_mending = 4;
-    impl::check_memory(static_cast<double>(width) * height, copies_while_mending, source_->name);
+    impl::check_memory(1.0 * width * height, copies_while_mending, source_->name);
     raster::Raster raster{impl::read_window(*source_, window_, fx, fy, width, height, progress_),
                           {0, 0, frame_.pixel_x * fx, frame_.pixel_y * fy},
                           ""};
@@ -184,18 +188,18 @@ void survey(impl::DemSource& source, DemInfo& info, Progress& progress) {
   const int width = source.width(), height = source.height();
   const impl::Level& own = source.levels.front();
   const int rows = std::clamp((1 << 21) / width / own.block_height * own.block_height, 1, height);
-  std::vector<double> strip(static_cast<std::size_t>(width) * static_cast<std::size_t>(rows));
+  std::vector<double> strip(std::int64_t{width} * rows);
   // Terraces show in any part; keep one strip's worth of rows spread over the file.
-  const int keep_every = std::max(1, static_cast<int>(static_cast<std::int64_t>(width) * height / (1 << 21)));
+  const int keep_every = std::max(1, static_cast<int>(std::int64_t{width} * height / (1 << 21)));
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   raster::Grid<float> sample(width, std::min(height, std::max(2, (1 << 21) / width)), raster::no_data);
   int kept = 0;
-  progress.begin("survey", static_cast<std::uint64_t>(height), "rows");
+  progress.begin("survey", height, "rows");
   for (int row = 0; row < height; row += rows) {
     const int count = std::min(rows, height - row);
     source.read(0, 0, row, width, count, strip.data());
     for (int r = 0; r < count; ++r) {
-      const double* values = strip.data() + static_cast<std::size_t>(r) * static_cast<std::size_t>(width);
+      const double* values = strip.data() + std::int64_t{r} * width;
       for (int col = 0; col < width; ++col) {
         if (std::isnan(values[col])) continue;
         lowest = std::min(lowest, values[col]);
@@ -206,7 +210,7 @@ void survey(impl::DemSource& source, DemInfo& info, Progress& progress) {
         std::transform(values, values + width, sample.row(kept++),
                        [](double v) { return static_cast<float>(v); });
     }
-    progress.advance(static_cast<std::uint64_t>(count));
+    progress.advance(count);
   }
   progress.end();
   info.missing = static_cast<double>(source.report.missing) / static_cast<double>(source.report.pixels);
@@ -240,7 +244,7 @@ void describe(const impl::DemSource& source, DemInfo& info) {
     if (unit != nullptr) info.unit = unit;
   }
   auto t = source.transform;
-  if (!source.georeferenced) t = {0, 1, 0, static_cast<double>(source.height()), 0, -1};
+  if (!source.georeferenced) t = {0, 1, 0, 1.0 * source.height(), 0, -1};
   info.dx = std::hypot(t[1], t[4]);
   info.dy = std::hypot(t[2], t[5]);
   info.angle = std::atan2(t[4], t[1]);
@@ -272,7 +276,7 @@ Dem read_dem(const std::filesystem::path& path, const DemOptions& options, Progr
 
 DemInfo inspect_dem(const std::filesystem::path& path, int band, Progress& progress) {
   const auto source = impl::DemSource::open(path, band, 0);
-  const auto window = checked_window(*source, {});
+  const auto window = check_window(*source, {});
   DemInfo info;
   describe(*source, info);
   const impl::Frame frame = impl::metric_frame(*source, window, 0, "");

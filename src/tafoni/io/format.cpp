@@ -1,3 +1,5 @@
+// Which format a file's extension means, and the sentence for an extension that no format has.
+
 #include "tafoni/io/format.h"
 
 #include <algorithm>
@@ -6,12 +8,11 @@
 #include <fmt/ranges.h>
 
 #include "tafoni/core/error.h"
-#include "tafoni/io/impl/reading.h"
 
 namespace tafoni::io {
 namespace {
 
-bool able(const FormatType& format, Ability ability) {
+bool can(const FormatType& format, Ability ability) {
   switch (ability) {
     case Ability::write_mesh:
       return format.write_mesh != nullptr;
@@ -30,15 +31,14 @@ bool able(const FormatType& format, Ability ability) {
 std::vector<std::string> known_extensions(std::initializer_list<Ability> abilities) {
   std::vector<std::string> known;
   for (const FormatType* format : all_formats())
-    if (std::ranges::any_of(abilities, [&](Ability ability) { return able(*format, ability); }))
+    if (std::ranges::any_of(abilities, [&](Ability ability) { return can(*format, ability); }))
       known.insert(known.end(), format->extensions.begin(), format->extensions.end());
   return known;
 }
 
 const FormatType* find(std::string_view extension, Ability ability) {
   for (const FormatType* format : all_formats())
-    if (able(*format, ability) &&
-        std::ranges::find(format->extensions, extension) != format->extensions.end())
+    if (can(*format, ability) && std::ranges::find(format->extensions, extension) != format->extensions.end())
       return format;
   return nullptr;
 }
@@ -75,53 +75,6 @@ const FormatType& format_of(const std::filesystem::path& path, std::initializer_
   fail(ErrorKind::usage, "{}: a file with {} cannot be {}; {}known extensions: .{}.", path.string(),
        extension.empty() ? "no extension" : "extension '." + extension + "'", what,
        near.empty() ? "" : fmt::format("did you mean '.{}'? ", near), fmt::join(known, ", ."));
-}
-
-void write_mesh(const std::filesystem::path& path, const mesh::Mesh& mesh, const MeshMetadata& metadata,
-                Progress& progress) {
-  const FormatType& format = format_of(path, Ability::write_mesh);
-  if (mesh.triangles.empty())
-    fail(ErrorKind::output, "{}: the mesh has no triangles, so there is nothing to write.", path.string());
-  AtomicFile file(path);
-  progress.begin("writing " + path.filename().string(), mesh.positions.size() + mesh.triangles.size(),
-                 "items");
-  format.write_mesh(file, mesh, metadata, progress);
-  file.commit();
-  progress.end();
-}
-
-mesh::Mesh read_mesh(const std::filesystem::path& path) {
-  const FormatType& format = format_of(path, Ability::read_mesh);
-  const impl::MappedFile file(path);
-  mesh::Mesh mesh = format.read_mesh(file.bytes(), path.string());
-  impl::check_read(mesh, path.string());
-  return mesh;
-}
-
-void write_image(const std::filesystem::path& path, const raster::Image& image) {
-  const FormatType& format = format_of(path, Ability::write_image);
-  if (image.empty())
-    fail(ErrorKind::output, "{}: the picture has no pixels, so there is nothing to write.", path.string());
-  AtomicFile file(path);
-  format.write_image(file, image);
-  file.commit();
-}
-
-void write_volume(const std::filesystem::path& path, const Volume& volume, Progress& progress) {
-  const FormatType& format = format_of(path, Ability::write_volume);
-  AtomicFile file(path);
-  const Vec3i chunks = volume.grid.chunks();
-  progress.begin("writing " + path.filename().string(),
-                 static_cast<std::uint64_t>(std::int64_t{chunks.x} * chunks.y * chunks.z), "chunks");
-  format.write_volume(file, volume, progress);
-  file.commit();
-  progress.end();
-}
-
-Volume read_volume(const std::filesystem::path& path, Progress& progress) {
-  const FormatType& format = format_of(path, Ability::read_volume);
-  const impl::MappedFile file(path);
-  return format.read_volume(file.bytes(), path.string(), progress);
 }
 
 }  // namespace tafoni::io

@@ -1,5 +1,6 @@
 #pragma once
-// Files of meshes, pictures and volumes, by extension. A format is one file in formats/.
+// The formats of files: what each can, and which one an extension means. A format is one file in formats/.
+// mesh_file.h, image_file.h and volume_file.h write and read by them.
 
 #include <cstddef>
 #include <filesystem>
@@ -9,28 +10,21 @@
 #include <string_view>
 #include <vector>
 
-#include "tafoni/core/atomic_file.h"
-#include "tafoni/core/progress.h"
 #include "tafoni/core/registry.h"
-#include "tafoni/mesh/mesh.h"
 #include "tafoni/raster/image.h"
-#include "tafoni/volume/scalar_grid.h"
+
+namespace tafoni {
+class AtomicFile;
+class Progress;
+namespace mesh {
+struct Mesh;
+}
+}  // namespace tafoni
 
 namespace tafoni::io {
 
-/// What the file of a mesh or a volume says besides its geometry, as far as its format can.
-struct MeshMetadata {
-  std::string name = "terrain";
-  std::string crs;   ///< WKT or "EPSG:…"; empty when unknown
-  Values generator;  ///< how it was made: scene parameters, seed, versions
-};
-
-/// A sampled field with its place in the world.
-struct Volume {
-  volume::ScalarGrid grid;
-  Vec3d origin;  ///< world position of local zero
-  MeshMetadata metadata;
-};
+struct MeshMetadata;
+struct Volume;
 
 /// One file format. A function that the format lacks is null.
 struct FormatType {
@@ -66,18 +60,5 @@ const FormatType& format_of(const std::filesystem::path& path, std::initializer_
 inline const FormatType& format_of(const std::filesystem::path& path, Ability ability) {
   return format_of(path, {ability});
 }
-
-/// Writes beside `path` and renames, so that no partial file is ever seen. Throws Error{output}.
-void write_mesh(const std::filesystem::path& path, const mesh::Mesh& mesh, const MeshMetadata& metadata = {},
-                Progress& progress = silent());
-/// Throws Error{input}: missing, truncated, or not what its extension says. The result's indices are in range
-/// and its positions finite; formats without shared vertices (STL) are welded by exact position.
-mesh::Mesh read_mesh(const std::filesystem::path& path);
-/// Writes beside `path` and renames. Throws Error{output}.
-void write_image(const std::filesystem::path& path, const raster::Image& image);
-/// Writes beside `path` and renames. Throws Error{output}.
-void write_volume(const std::filesystem::path& path, const Volume& volume, Progress& progress = silent());
-/// Throws Error{input}: missing, truncated, damaged, or a grid that cannot be held.
-Volume read_volume(const std::filesystem::path& path, Progress& progress = silent());
 
 }  // namespace tafoni::io

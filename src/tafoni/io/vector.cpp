@@ -1,3 +1,5 @@
+// Polygons by OGR: every layer's rings, flattened and brought to the CRS wanted.
+
 #include "tafoni/io/vector.h"
 
 #include <algorithm>

@@ -1,3 +1,6 @@
+// A picture from beginning to end: the camera becomes a view, the scene's light is chosen for what it
+// sees, tiles are drawn on all threads, and the film is mended and developed.
+
 #include "tafoni/render/render.h"
 
 #include <algorithm>
@@ -19,7 +22,19 @@ using impl::Film;
 using impl::Light;
 using impl::View;
 
-constexpr int tile = 32;
+constexpr int tile = 32;  // pixels a side of what a thread draws at a time
+
+// The light, chosen by eye.
+constexpr double sun_from_left =
+    1.90;  // radians from the view to the sun: shadows fall towards us and across
+constexpr float lamp_up = 0.10f,
+                lamp_right = 0.12f;   // of its reach: off the eye, or nothing would show shadows
+constexpr float lamp_radius = 0.02f;  // of its reach
+constexpr float lamp_room = 1.2f;     // of the way to the lamp that must be free, or it stands in the wall
+constexpr float clear_air =
+    0.6f;  // of the typical distance is without haze, so that what is near keeps its colours
+constexpr double haze_depth = 0.11;  // optical depth that the typical distance would have
+constexpr int sky_directions = 256;  // stand for all of the sky
 
 bool finite(Vec3d p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
@@ -64,7 +79,7 @@ float typical_distance(const impl::World& world, const View& view) {
       if (const impl::Hit hit = world.tracer().closest(view.eye, d)) distances.push_back(hit.t);
     }
   if (distances.empty()) return 0;
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  const auto middle = distances.begin() + distances.size() / 2;
   std::nth_element(distances.begin(), middle, distances.end());
   return *middle;
 }
@@ -73,17 +88,16 @@ Light light_of(const impl::World& world, const View& view, const RenderSettings&
                std::optional<float> sea) {
   Light light;
   const double facing = std::atan2(view.forward.x, view.forward.y);
-  const double azimuth = settings.sun_azimuth.value_or(facing - 1.90);
+  const double azimuth = settings.sun_azimuth.value_or(facing - sun_from_left);
   light.to_sun =
       to_float({std::sin(azimuth) * std::cos(settings.sun_elevation),
                 std::cos(azimuth) * std::cos(settings.sun_elevation), std::sin(settings.sun_elevation)});
   // A spiral of directions about the zenith stands for all of the sky.
   light.open_ground = Light::sun * std::max(0.0f, light.to_sun.z);
-  constexpr int directions = 256;
-  for (int i = 0; i < directions; ++i) {
-    const impl::Point2 p{(static_cast<float>(i) + 0.5f) / directions,
+  for (int i = 0; i < sky_directions; ++i) {
+    const impl::Point2 p{(static_cast<float>(i) + 0.5f) / sky_directions,
                          std::fmod(static_cast<float>(i) * 0.618034f, 1.0f)};
-    light.open_ground += light.sky(impl::cosine_direction({0, 0, 1}, p)) * (1.0f / directions);
+    light.open_ground += light.sky(impl::cosine_direction({0, 0, 1}, p)) * (1.0f / sky_directions);
   }
   light.sun_radius = static_cast<float>(settings.sun_radius);
   light.sea = sea;
@@ -92,14 +106,14 @@ Light light_of(const impl::World& world, const View& view, const RenderSettings&
   if (settings.inside) {
     const float reach = std::max(distance, world.spacing());
     light.lamp = impl::Lamp{
-        view.eye + normalized(view.up) * (0.10f * reach) + normalized(view.right) * (0.12f * reach), reach,
-        0.02f * reach};
+        view.eye + normalized(view.up) * (lamp_up * reach) + normalized(view.right) * (lamp_right * reach),
+        reach, lamp_radius * reach};
     // The lamp may not stand in the wall.
-    if (world.tracer().blocked(view.eye, light.lamp->position - view.eye, 1.2f))
+    if (world.tracer().blocked(view.eye, light.lamp->position - view.eye, lamp_room))
       light.lamp->position = view.eye;
   } else if (distance > 0) {
-    light.haze_begin = 0.6f * distance;
-    light.haze_per_metre = static_cast<float>(0.11 * settings.haze) / distance;
+    light.haze_begin = clear_air * distance;
+    light.haze_per_metre = static_cast<float>(haze_depth * settings.haze) / distance;
   }
   return light;
 }
@@ -112,9 +126,9 @@ void draw_tile(const impl::Integrator& integrator, const View& view, std::uint32
       impl::Pixel sum;
       int met = 0;
       for (std::uint32_t s = 0; s < samples; ++s) {
-        const impl::Sampler sampler(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), s, samples);
+        const impl::Sampler sampler(x, y, s, samples);
         const impl::Point2 jitter = sampler.get(impl::Stream::pixel);
-        const Vec3f d = view.direction(static_cast<float>(x) + jitter.u, static_cast<float>(y) + jitter.v);
+        const Vec3f d = view.through(x, y, jitter.u, jitter.v);
         const impl::Sample sample = integrator.eye_ray(view.eye, d, footprint, sampler);
         sum.color += sample.color;
         sum.light += sample.sky_light;
@@ -140,7 +154,7 @@ struct Scene::State {
     if (!settings.sea_level) return std::nullopt;
     return static_cast<float>(*settings.sea_level - world.mesh().origin.z);
   }
-  Camera moved(Camera camera, Vec3d by) const {
+  Camera move(Camera camera, Vec3d by) const {
     camera.eye += by;
     camera.target += by;
     return camera;
@@ -151,36 +165,32 @@ Scene::Scene(const mesh::Mesh& mesh, Progress& progress) : state_(std::make_uniq
 Scene::~Scene() = default;
 
 Camera Scene::frame(const RenderSettings& settings) const {
-  return state_->moved(impl::best_outside(state_->world, settings, state_->local_sea(settings)),
-                       state_->world.mesh().origin);
+  return state_->move(impl::best_outside(state_->world, settings, state_->local_sea(settings)),
+                      state_->world.mesh().origin);
 }
 
 Camera Scene::frame_inside(const RenderSettings& settings, std::optional<Vec3d> eye) const {
   std::optional<Vec3f> local;
   if (eye) local = to_float(*eye - state_->world.mesh().origin);
-  return state_->moved(impl::best_inside(state_->world, local, state_->local_sea(settings)),
-                       state_->world.mesh().origin);
+  return state_->move(impl::best_inside(state_->world, local, state_->local_sea(settings)),
+                      state_->world.mesh().origin);
 }
 
 raster::Image Scene::render(const Camera& camera, const RenderSettings& settings, Progress& progress) const {
   const impl::World& world = state_->world;
   const std::optional<float> sea = state_->local_sea(settings);
-  const View view = view_of(state_->moved(camera, -world.mesh().origin), settings);
+  const View view = view_of(state_->move(camera, -world.mesh().origin), settings);
   const Light light = light_of(world, view, settings, sea);
   const impl::Colors colors = world.colors(sea, progress);
   const impl::Integrator integrator(world, colors, light);
   // A power of two keeps every pixel's samples a whole net.
-  const std::uint32_t samples = std::bit_ceil(static_cast<std::uint32_t>(settings.samples));
+  const std::uint32_t samples = std::bit_ceil<std::uint32_t>(settings.samples);
   Film film(view.width, view.height);
   const int across = (view.width + tile - 1) / tile, down = (view.height + tile - 1) / tile;
-  progress.begin("drawing the picture", static_cast<std::uint64_t>(across) * static_cast<std::uint64_t>(down),
-                 "tiles");
+  progress.begin("drawing the picture", std::int64_t{across} * down, "tiles");
   parallel_for(
-      static_cast<std::int64_t>(across) * down,
-      [&](std::int64_t i) {
-        draw_tile(integrator, view, samples, static_cast<int>(i % across) * tile,
-                  static_cast<int>(i / across) * tile, film);
-      },
+      std::int64_t{across} * down,
+      [&](int i) { draw_tile(integrator, view, samples, i % across * tile, i / across * tile, film); },
       progress);
   impl::denoise(film, view);
   progress.end();

@@ -49,7 +49,7 @@ class Scene {
   /// along the longest view. Throws Error{input} when nothing is roofed.
   Camera frame_inside(const RenderSettings& settings, std::optional<Vec3d> eye = {}) const;
 
-  /// The picture; the same bytes at any thread count. Colours come from the mesh, or from mesh/palette.h by
+  /// The picture; the same bytes at any thread count. Colours come from the mesh, or from inner/palette.h by
   /// slope and height when it has none. Throws Error{usage} for a camera or size that makes no picture.
   raster::Image render(const Camera& camera, const RenderSettings& settings,
                        Progress& progress = silent()) const;

@@ -1,3 +1,7 @@
+// Chambers [Ju01 §4]: a lattice of a few values, written as text or taken from a preset, is subdivided
+// smoothly into a grid about as fine as wanted, which is asked by trilinear interpolation and closed at
+// its border.
+
 #include "tafoni/volume/chamber.h"
 
 #include <algorithm>
@@ -56,7 +60,7 @@ FractalSettings settings_of(const ChamberLattice& lattice, const ChamberSettings
   out.seed = s.seed;
   const Vec3i n = out.size();
   constexpr double most = 0x1p28;
-  if (static_cast<double>(n.x) * n.y * n.z > most)
+  if (1.0 * n.x * n.y * n.z > most)
     fail(ErrorKind::usage,
          "a chamber of {} x {} x {} samples is more than 2^28; give a spacing above {:.3g} m, or smaller "
          "cells",
@@ -141,9 +145,8 @@ const ChamberPreset& find_chamber_preset(std::string_view name) {
 
 Chamber::Chamber(const ChamberLattice& lattice, const ChamberSettings& settings)
     : settings_(settings),
-      size_(Vec3d{static_cast<double>(lattice.cells.x), static_cast<double>(lattice.cells.y),
-                  static_cast<double>(lattice.cells.z)} *
-            settings.cell),
+      size_{lattice.cells.x * settings.cell, lattice.cells.y * settings.cell,
+            lattice.cells.z * settings.cell},
       grid_({{0, 0, 0}, 1, {2, 2, 2}}, 0) {
   if (!(settings.cell > 0) || !(settings.spacing > 0) || !std::isfinite(settings.cell) ||
       !std::isfinite(settings.spacing) || !(settings.noise >= 0))
@@ -157,7 +160,7 @@ double Chamber::value(Vec3d p) const {
   const Vec3d d = p - settings_.position;
   const Vec3d q{c * d.x + s * d.y + 0.5 * size_.x, -s * d.x + c * d.y + 0.5 * size_.y, d.z};
   const double inside = std::min({q.x, q.y, q.z, size_.x - q.x, size_.y - q.y, size_.z - q.z});
-  return std::max(static_cast<double>(grid_.value(q)), 0.4 * settings_.cell - inside);
+  return std::max<double>(grid_.value(q), 0.4 * settings_.cell - inside);
 }
 
 Box3d Chamber::bounds() const {

@@ -1,3 +1,7 @@
+// Edits of a grid: a function of the position is evaluated over rows of samples within a tool's or a
+// blast's reach, and each row's values are changed by it. Two plain loops a row, which compilers turn
+// into vectors.
+
 #include "tafoni/volume/edit.h"
 
 #include <algorithm>
@@ -30,7 +34,7 @@ struct Ball {
     const double half = std::sqrt(left) * per_metre, middle = (center.x - start.x) * per_metre;
     // Of sizes beyond numbers, the whole row.
     const double first = middle - half - 1, last = middle + half + 2;
-    return {first > 0 ? static_cast<int>(std::min(first, static_cast<double>(n))) : 0,
+    return {first > 0 ? static_cast<int>(std::min<double>(first, n)) : 0,
             last < n ? static_cast<int>(std::max(last, 0.0)) : n};
   }
 };

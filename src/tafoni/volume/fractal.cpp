@@ -1,3 +1,7 @@
+// Fractal volumes: a coarse lattice of values is subdivided level by level, each time with less noise
+// [Ju01 §2]. All levels but the last are kept; samples of the last are made when they are asked for, box
+// by box.
+
 #include "tafoni/volume/fractal.h"
 
 #include <algorithm>
@@ -23,8 +27,7 @@ void check(const FractalSettings& s) {
                          (std::ldexp(s.cells.z, s.levels) + 1);
   if (!(samples <= 0x1p40))
     fail(ErrorKind::usage, "a fractal of {:g} samples is too large; take fewer levels", samples);
-  const auto wanted = static_cast<std::size_t>(s.cells.x + 1) * static_cast<std::size_t>(s.cells.y + 1) *
-                      static_cast<std::size_t>(s.cells.z + 1);
+  const std::size_t wanted = std::int64_t{s.cells.x + 1} * (s.cells.y + 1) * (s.cells.z + 1);
   if (s.coarse.size() != wanted)
     fail(ErrorKind::usage, "a coarse lattice of {} x {} x {} cells needs {} values, not {}", s.cells.x,
          s.cells.y, s.cells.z, wanted, s.coarse.size());
@@ -40,12 +43,11 @@ void check(const FractalSettings& s) {
 }
 
 float noise_of(const FractalSettings& s, int level) {
-  const auto i = static_cast<std::size_t>(level);
-  return i < s.noise.size() ? static_cast<float>(s.noise[i]) : 0.0f;
+  return level < std::ssize(s.noise) ? static_cast<float>(s.noise[level]) : 0.0f;
 }
 
 std::uint64_t key_of(const FractalSettings& s, int level) {
-  return hash_combine(s.seed, static_cast<std::uint64_t>(level));
+  return hash_combine(s.seed, level);
 }
 
 impl::Subdivision last_step(const FractalSettings& s, const std::vector<float>& values, Vec3i size) {
@@ -88,19 +90,15 @@ Fractal::Fractal(FractalSettings settings, Progress& progress) : settings_(std::
   for (int level = 0; level + 1 < s.levels; ++level) {
     Level fine;
     fine.size = {2 * last_.size.x - 1, 2 * last_.size.y - 1, 2 * last_.size.z - 1};
-    const auto row = static_cast<std::size_t>(fine.size.x),
-               plane = row * static_cast<std::size_t>(fine.size.y);
-    fine.values.resize(plane * static_cast<std::size_t>(fine.size.z));
+    const std::size_t row = fine.size.x, plane = row * fine.size.y;
+    fine.values.resize(plane * fine.size.z);
     const impl::Subdivision step{
         {last_.values.data(), last_.size}, key_of(s, level), noise_of(s, level), 1e30f};
     const auto parts = bars({{0, 0, 0}, {fine.size.x - 1, fine.size.y - 1, fine.size.z - 1}});
-    parallel_blocks(static_cast<std::int64_t>(parts.size()), 1, [&](std::int64_t begin, std::int64_t) {
+    parallel_blocks(std::ssize(parts), 1, [&](std::int64_t begin, std::int64_t) {
       progress.check();
-      const SampleBox& box = parts[static_cast<std::size_t>(begin)];
-      impl::subdivide(step, box,
-                      fine.values.data() + static_cast<std::size_t>(box.lo.z) * plane +
-                          static_cast<std::size_t>(box.lo.y) * row,
-                      row, plane);
+      const SampleBox& box = parts[begin];
+      impl::subdivide(step, box, fine.values.data() + box.lo.z * plane + box.lo.y * row, row, plane);
     });
     last_ = std::move(fine);
     pin(level + 1, last_);
@@ -110,13 +108,10 @@ Fractal::Fractal(FractalSettings settings, Progress& progress) : settings_(std::
 void Fractal::pin(int level, Level& lattice) const {
   const Vec3i n = lattice.size;
   const auto value = [&](int x, int y, int z) -> float& {
-    return lattice
-        .values[(static_cast<std::size_t>(z) * static_cast<std::size_t>(n.y) + static_cast<std::size_t>(y)) *
-                    static_cast<std::size_t>(n.x) +
-                static_cast<std::size_t>(x)];
+    return lattice.values[(std::int64_t{z} * n.y + y) * n.x + x];
   };
   const auto clamped = [](double v, int size) {
-    return static_cast<int>(std::clamp(std::round(v), 0.0, static_cast<double>(size - 1)));
+    return static_cast<int>(std::clamp<double>(std::round(v), 0.0, size - 1));
   };
   /// The pin's place on a level, in its spacings.
   const auto place = [&](const Pin& p, int of) {
@@ -133,7 +128,7 @@ void Fractal::pin(int level, Level& lattice) const {
           const double dx = x - own.x, dy = y - own.y, dz = z - own.z;
           const double left = 1 - (dx * dx + dy * dy + dz * dz) / (r * r);
           if (left <= 0) continue;
-          const double was = static_cast<double>(value(x, y, z));
+          const double was = value(x, y, z);
           value(x, y, z) = static_cast<float>(was + left * left * (p.value - was));
         }
   }
@@ -148,13 +143,12 @@ void Fractal::pin(int level, Level& lattice) const {
 }
 
 void Fractal::read(const SampleBox& box, float* out) const {
-  const auto row = static_cast<std::size_t>(box.size().x);
-  impl::subdivide(last_step(settings_, last_.values, last_.size), box, out, row,
-                  row * static_cast<std::size_t>(box.size().y));
+  const std::size_t row = box.size().x;
+  impl::subdivide(last_step(settings_, last_.values, last_.size), box, out, row, row * box.size().y);
 }
 
 Interval Fractal::range(const SampleBox& box) const {
-  return impl::subdivided_range(last_step(settings_, last_.values, last_.size), box);
+  return impl::subdivision_range(last_step(settings_, last_.values, last_.size), box);
 }
 
 ScalarGrid Fractal::grid(const SampleBox& box, Precision precision, Progress& progress) const {
@@ -165,15 +159,12 @@ ScalarGrid Fractal::grid(const SampleBox& box, Precision precision, Progress& pr
   ScalarGrid made(frame, 0, precision);
   const impl::Subdivision step = last_step(s, last_.values, last_.size);
   const Vec3i chunks = made.chunks();
-  progress.begin("subdividing",
-                 static_cast<std::uint64_t>(chunks.x) * static_cast<std::uint64_t>(chunks.y) *
-                     static_cast<std::uint64_t>(chunks.z),
-                 "chunks");
+  progress.begin("subdividing", std::int64_t{chunks.x} * chunks.y * chunks.z, "chunks");
   made.generate(
       [&](const SampleBox& part, float* out) -> std::optional<float> {
         const SampleBox own{part.lo + lo, part.hi + lo};
         if (s.limit < 1e30) {
-          const Interval range = impl::subdivided_range(step, own);
+          const Interval range = impl::subdivision_range(step, own);
           if (range.lo >= step.limit) return step.limit;
           if (range.hi <= -step.limit) return -step.limit;
         }
@@ -191,9 +182,8 @@ ScalarGrid Fractal::grid(Precision precision, Progress& progress) const {
 }
 
 std::vector<double> decaying_noise(double scale, double decay, int levels, int smooth) {
-  std::vector<double> out(static_cast<std::size_t>(std::max(levels, 0)), 0.0);
-  for (int level = 0; level < levels - smooth; ++level)
-    out[static_cast<std::size_t>(level)] = scale * std::pow(decay, level);
+  std::vector<double> out(std::max(levels, 0), 0.0);
+  for (int level = 0; level < levels - smooth; ++level) out[level] = scale * std::pow(decay, level);
   return out;
 }
 

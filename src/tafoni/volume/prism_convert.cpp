@@ -1,3 +1,6 @@
+// Prism-fields from boxes, heightfields, grids and fields. Of grids and fields each column's tops and
+// bottoms are the changes of sign along it; for fields their places are then refined by halving.
+
 #include "tafoni/volume/prism_convert.h"
 
 #include <algorithm>
@@ -24,15 +27,13 @@ class Crossings {
   };
   /// Of row j, by i, then k. Zero is air.
   std::vector<Crossing> row(int j) const {
-    const std::size_t nx = static_cast<std::size_t>(size_.x), nz = static_cast<std::size_t>(size_.z);
+    const std::size_t nx = size_.x, nz = size_.z;
     std::vector<float> values(nx * nz);
     grid_.read({{0, j, 0}, {size_.x - 1, j, size_.z - 1}}, values.data());
     std::vector<Crossing> out;
     for (int i = 0; i < size_.x; ++i)
       for (int k = -1; k < size_.z; ++k) {
-        const auto at = [&](int z) {
-          return static_cast<double>(values[static_cast<std::size_t>(z) * nx + static_cast<std::size_t>(i)]);
-        };
+        const auto at = [&](int z) -> double { return values[z * nx + i]; };
         const bool below = k >= 0 && at(k) > 0, above = k + 1 < size_.z && at(k + 1) > 0;
         if (below == above) continue;
         double z = k < 0 ? 0 : k;
@@ -68,9 +69,7 @@ void refine(const field::CompiledField& field, const GridFrame& frame, const Cro
   std::vector<float> values(open.size());
   for (int step = 0; step < halvings && !open.empty(); ++step) {
     for (std::size_t n = 0; n < open.size(); ++n)
-      points[n] = frame.origin +
-                  Vec3d{static_cast<double>(row[open[n]].i), static_cast<double>(j), 0.5 * (lo[n] + hi[n])} *
-                      frame.spacing;
+      points[n] = frame.origin + Vec3d{1.0 * row[open[n]].i, 1.0 * j, 0.5 * (lo[n] + hi[n])} * frame.spacing;
     field.values(points, values);
     for (std::size_t n = 0; n < open.size(); ++n) {
       const double middle = 0.5 * (lo[n] + hi[n]);
@@ -83,21 +82,21 @@ void refine(const field::CompiledField& field, const GridFrame& frame, const Cro
 PrismFields from_rows(const ScalarGrid& grid, const field::CompiledField* field, Progress& progress) {
   const GridFrame& frame = grid.frame();
   const Crossings crossings(grid);
-  std::vector<std::vector<Crossings::Crossing>> rows(static_cast<std::size_t>(frame.size.y));
+  std::vector<std::vector<Crossings::Crossing>> rows(frame.size.y);
   progress.begin("finding tops and bottoms", rows.size(), "rows");
   parallel_for(
       frame.size.y,
-      [&](std::int64_t j) {
-        auto& row = rows[static_cast<std::size_t>(j)];
-        row = crossings.row(static_cast<int>(j));
-        if (field) refine(*field, frame, crossings, static_cast<int>(j), row);
+      [&](int j) {
+        auto& row = rows[j];
+        row = crossings.row(j);
+        if (field) refine(*field, frame, crossings, j, row);
       },
       progress);
   progress.end();
   PrismFields out(columns_of(frame));
   std::vector<Matter> matter;
   for (int j = 0; j < frame.size.y; ++j) {
-    const auto& row = rows[static_cast<std::size_t>(j)];
+    const auto& row = rows[j];
     for (std::size_t n = 0; n < row.size();) {
       matter.clear();
       const int i = row[n].i;
@@ -137,7 +136,7 @@ PrismFields prism_from(const raster::Raster& heights, double base) {
                    heights.height()});
   for (int j = 0; j < heights.height(); ++j)
     for (int i = 0; i < heights.width(); ++i) {
-      const double top = static_cast<double>(heights.values.at(i, heights.height() - 1 - j)) - base;
+      const double top = heights.values.at(i, heights.height() - 1 - j) - base;
       if (!(top > 0)) continue;
       const Matter all{0, static_cast<float>(top)};
       out.set_column(i, j, {&all, 1});

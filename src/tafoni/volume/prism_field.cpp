@@ -1,3 +1,6 @@
+// The layers of a prism-field: tiles of columns shared between copies until one is edited, and how a
+// tool's span cuts, splits, joins and fills the matter of each column [Boggus §3].
+
 #include "tafoni/volume/prism_field.h"
 
 #include <algorithm>
@@ -12,7 +15,7 @@ namespace tafoni::volume {
 namespace {
 
 constexpr int side = PrismFields::tile_columns;
-constexpr std::size_t tile_size = static_cast<std::size_t>(side) * side;
+constexpr int tile_size = side * side;
 
 /// Steps from a column to those beside it.
 constexpr int beside[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
@@ -57,9 +60,8 @@ PrismFields::PrismFields(const ColumnFrame& frame, double min_thickness)
 }
 
 PrismFields::Place PrismFields::place(int i, int j) const {
-  return {static_cast<std::size_t>(j / side) * static_cast<std::size_t>(tiles_x_) +
-              static_cast<std::size_t>(i / side),
-          static_cast<std::size_t>(j % side) * side + static_cast<std::size_t>(i % side)};
+  const std::size_t tile = std::int64_t{j / side} * tiles_x_ + i / side, at = j % side * side + i % side;
+  return {tile, at};
 }
 
 bool PrismFields::active(int layer, int i, int j) const {
@@ -74,7 +76,7 @@ Matter PrismFields::point(int layer, int i, int j) const {
 }
 
 void PrismFields::set(int layer, Place p, float bottom, float top) {
-  Layer& l = layers_[static_cast<std::size_t>(layer)];
+  Layer& l = layers_[layer];
   std::shared_ptr<Tile>& held = l.tiles[p.tile];
   const bool now = bottom < top;
   if (!held) {
@@ -96,7 +98,7 @@ void PrismFields::set(int layer, Place p, float bottom, float top) {
 
 void PrismFields::insert_layer(int at) {
   Layer layer;
-  layer.tiles.resize(static_cast<std::size_t>(tiles_x_) * static_cast<std::size_t>(tiles_y_));
+  layer.tiles.resize(std::int64_t{tiles_x_} * tiles_y_);
   layers_.insert(layers_.begin() + at, std::move(layer));
 }
 
@@ -196,15 +198,16 @@ bool PrismFields::add(int i, int j, float lo, float hi) {
 template <class Shape>
 ColumnBox PrismFields::apply_shape(const Shape& shape, const Box3d& bounds, Edit mode) {
   // A column that rounding puts at the very rim of the bounds is looked at and found empty.
-  const auto first = [](double d) { return std::ceil(d - 1e-6); };
-  const auto last = [](double d) { return std::floor(d + 1e-6); };
-  const double wide = frame_.nx - 1, high = frame_.ny - 1;
-  const int i0 =
-      static_cast<int>(std::clamp(first((bounds.lo.x - frame_.origin.x) / frame_.dx), 0.0, wide + 1));
-  const int i1 = static_cast<int>(std::clamp(last((bounds.hi.x - frame_.origin.x) / frame_.dx), -1.0, wide));
-  const int j0 =
-      static_cast<int>(std::clamp(first((bounds.lo.y - frame_.origin.y) / frame_.dy), 0.0, high + 1));
-  const int j1 = static_cast<int>(std::clamp(last((bounds.hi.y - frame_.origin.y) / frame_.dy), -1.0, high));
+  const auto first = [](double d, int n) {
+    return static_cast<int>(std::clamp<double>(std::ceil(d - 1e-6), 0, n));
+  };
+  const auto last = [](double d, int n) {
+    return static_cast<int>(std::clamp<double>(std::floor(d + 1e-6), -1, n - 1));
+  };
+  const int i0 = first((bounds.lo.x - frame_.origin.x) / frame_.dx, frame_.nx);
+  const int i1 = last((bounds.hi.x - frame_.origin.x) / frame_.dx, frame_.nx);
+  const int j0 = first((bounds.lo.y - frame_.origin.y) / frame_.dy, frame_.ny);
+  const int j1 = last((bounds.hi.y - frame_.origin.y) / frame_.dy, frame_.ny);
   ColumnBox changed;
   for (int j = j0; j <= j1; ++j) {
     int from = frame_.nx, to = -1;
@@ -262,11 +265,9 @@ void PrismFields::set_column(int i, int j, std::span<const Matter> matter) {
 void PrismFields::read(const ColumnBox& box, ColumnBlock& out) const {
   out.box = box;
   out.stride = std::max(1, layers());
-  const std::size_t columns =
-      box.empty() ? 0 : static_cast<std::size_t>(box.width()) * static_cast<std::size_t>(box.height());
+  const std::size_t columns = box.empty() ? 0 : std::int64_t{box.width()} * box.height();
   out.count.assign(columns, 0);
-  if (out.intervals.size() < columns * static_cast<std::size_t>(out.stride))
-    out.intervals.resize(columns * static_cast<std::size_t>(out.stride));
+  if (out.intervals.size() < columns * out.stride) out.intervals.resize(columns * out.stride);
   const int i0 = std::max(box.i0, 0), i1 = std::min(box.i1, frame_.nx - 1);
   const int j0 = std::max(box.j0, 0), j1 = std::min(box.j1, frame_.ny - 1);
   for (int j = j0; j <= j1; ++j)
@@ -277,10 +278,9 @@ void PrismFields::read(const ColumnBox& box, ColumnBlock& out) const {
         const Tile* t = tile(l, p.tile);
         if (!t) continue;
         std::size_t c = out.column(start, j);
-        for (std::size_t a = p.at; a <= p.at + static_cast<std::size_t>(end - start); ++a, ++c)
+        for (std::size_t a = p.at; a <= p.at + end - start; ++a, ++c)
           if (t->bottom[a] < t->top[a])
-            out.intervals[c * static_cast<std::size_t>(out.stride) +
-                          static_cast<std::size_t>(out.count[c]++)] = {t->bottom[a], t->top[a]};
+            out.intervals[c * out.stride + out.count[c]++] = {t->bottom[a], t->top[a]};
       }
       start = end + 1;
     }
@@ -295,7 +295,7 @@ std::vector<Matter> PrismFields::column(int i, int j) const {
 
 int PrismFields::deepest() const {
   int most = 0;
-  const std::size_t tiles = static_cast<std::size_t>(tiles_x_) * static_cast<std::size_t>(tiles_y_);
+  const std::size_t tiles = std::int64_t{tiles_x_} * tiles_y_;
   for (std::size_t n = 0; n < tiles; ++n) {
     int depth[tile_size] = {};
     for (int l = 0; l < layers(); ++l)
@@ -309,7 +309,7 @@ int PrismFields::deepest() const {
 void PrismFields::pack() {
   const std::vector<Layer> old = std::move(layers_);
   layers_.clear();
-  for (int l = 0; l < static_cast<int>(old.size()); ++l) insert_layer(l);
+  for (int l = 0; l < std::ssize(old); ++l) insert_layer(l);
   for (std::size_t n = 0; n < (old.empty() ? 0 : old[0].tiles.size()); ++n) {
     int rank[tile_size] = {};
     for (const Layer& from : old)
@@ -331,8 +331,8 @@ Box3d PrismFields::bounds() const {
           lo = std::min(lo, p.bottom), hi = std::max(hi, p.top);
         }
   if (columns.empty()) return {};
-  return {{frame_.x(columns.i0), frame_.y(columns.j0), frame_.origin.z + static_cast<double>(lo)},
-          {frame_.x(columns.i1), frame_.y(columns.j1), frame_.origin.z + static_cast<double>(hi)}};
+  return {{frame_.x(columns.i0), frame_.y(columns.j0), frame_.origin.z + lo},
+          {frame_.x(columns.i1), frame_.y(columns.j1), frame_.origin.z + hi}};
 }
 
 std::uint64_t PrismFields::bytes() const {

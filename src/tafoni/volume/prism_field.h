@@ -50,13 +50,10 @@ struct ColumnBlock {
   std::vector<std::int32_t> count;  ///< by column, i fastest
   std::vector<Matter> intervals;    ///< of column c from c * stride
 
-  std::size_t column(int i, int j) const {
-    return static_cast<std::size_t>(j - box.j0) * static_cast<std::size_t>(box.width()) +
-           static_cast<std::size_t>(i - box.i0);
-  }
+  std::size_t column(int i, int j) const { return std::int64_t{j - box.j0} * box.width() + i - box.i0; }
   std::span<const Matter> at(int i, int j) const {
     const std::size_t c = column(i, j);
-    return {intervals.data() + c * static_cast<std::size_t>(stride), static_cast<std::size_t>(count[c])};
+    return std::span(intervals).subspan(c * stride, count[c]);
   }
 };
 
@@ -77,7 +74,7 @@ class PrismFields {
   explicit PrismFields(const ColumnFrame& frame, double min_thickness = 1e-3);
 
   const ColumnFrame& frame() const { return frame_; }
-  double min_thickness() const { return static_cast<double>(thinnest_); }
+  double min_thickness() const { return thinnest_; }
   int layers() const { return static_cast<int>(layers_.size()); }
   /// Of one point of a layer; bottom and top mean nothing where it is not active.
   bool active(int layer, int i, int j) const;
@@ -129,9 +126,7 @@ class PrismFields {
   bool remove(int i, int j, float lo, float hi);
   bool add(int i, int j, float lo, float hi);
   Place place(int i, int j) const;
-  const Tile* tile(int layer, std::size_t t) const {
-    return layers_[static_cast<std::size_t>(layer)].tiles[t].get();
-  }
+  const Tile* tile(int layer, std::size_t t) const { return layers_[layer].tiles[t].get(); }
   void set(int layer, Place p, float bottom, float top);
   void insert_layer(int at);
   /// A layer in (below, above) for the matter; made if there is none.

@@ -1,3 +1,7 @@
+// A prism-field as a leaf of construction trees. Each cell's slabs give first-order distances up and
+// down; walls, the slabs' sides that no neighbour continues, give distances sideways within a cell. Tiles
+// remember their highest top, so that air above all ground is told at once.
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -46,8 +50,8 @@ class PrismFunction final : public field::Function {
         for (int i = 0; i < cells_x_; ++i) {
           const auto all = cells.slabs(i, j, DeadPoints::triangles);
           const bool cut = cells.cut_0_to_2(all);
-          for (const PrismCells::Slab& s : all) slabs_.push_back(made(cells, s, cut, floor));
-          starts_.push_back(static_cast<std::int32_t>(slabs_.size()));
+          for (const PrismCells::Slab& s : all) slabs_.push_back(make_slab(cells, s, cut, floor));
+          starts_.push_back(end_of(slabs_));
         }
     }
     find_walls();
@@ -65,7 +69,7 @@ class PrismFunction final : public field::Function {
  private:
   static constexpr int tile_cells = 8;
 
-  Slab made(const PrismCells& cells, const PrismCells::Slab& s, bool cut, float floor) const {
+  Slab make_slab(const PrismCells& cells, const PrismCells::Slab& s, bool cut, float floor) const {
     Slab out{{}, {}, s.corners, cut};
     for (std::size_t k = 0; k < 4; ++k) {
       if (!(s.corners >> k & 1)) continue;
@@ -77,10 +81,10 @@ class PrismFunction final : public field::Function {
   }
 
   std::span<const Slab> slabs(std::int32_t cell) const {
-    const std::size_t c = static_cast<std::size_t>(cell);
-    return {slabs_.data() + starts_[c], static_cast<std::size_t>(starts_[c + 1] - starts_[c])};
+    return std::span(slabs_).subspan(starts_[cell], starts_[cell + 1] - starts_[cell]);
   }
   std::int32_t cell(int i, int j) const { return j * cells_x_ + i; }
+  std::int32_t tile_of(int ti, int tj) const { return tj * tiles_x_ + ti; }
 
   /// Which corners hold the triangle of `slab` over (u, v), both in [0, 1]; none where it has no matter.
   static std::optional<std::array<std::size_t, 3>> triangle(const Slab& slab, double u, double v) {
@@ -103,7 +107,7 @@ class PrismFunction final : public field::Function {
   /// Of the plane through three corners: the elevation at (u, v), and one over the slope's secant.
   std::pair<double, double> plane(const std::array<float, 4>& z, const std::array<std::size_t, 3>& at,
                                   double u, double v) const {
-    const auto height = [&](std::size_t k) { return static_cast<double>(z[at[k]]); };
+    const auto height = [&](std::size_t k) -> double { return z[at[k]]; };
     double du = 0, dv = 0;
     // In every triangle two corners differ along u alone, and two along v alone.
     for (std::size_t a = 0; a < 3; ++a)
@@ -145,7 +149,7 @@ class PrismFunction final : public field::Function {
     const int j = std::min(static_cast<int>(y / frame_.dy), cells_y_ - 1);
     const double beyond = std::hypot(gx - x, gy - y);
     double f = upright(cell(i, j), x / frame_.dx - i, y / frame_.dy - j, z);
-    if (near_walls_[static_cast<std::size_t>(cell(i, j))]) {
+    if (near_walls_[cell(i, j)]) {
       if (beyond > 0)
         f = -wall_distance(i, j, gx, gy, z, reach_);
       else
@@ -159,9 +163,9 @@ class PrismFunction final : public field::Function {
   double wall_distance(int i, int j, double x, double y, double z, double least) const {
     for (int b = std::max(0, j - 1); b <= std::min(j + 1, cells_y_ - 1); ++b)
       for (int a = std::max(0, i - 1); a <= std::min(i + 1, cells_x_ - 1); ++a) {
-        const std::size_t c = static_cast<std::size_t>(cell(a, b));
+        const std::int32_t c = cell(a, b);
         for (std::int32_t w = wall_starts_[c]; w < wall_starts_[c + 1]; ++w)
-          least = distance(walls_[static_cast<std::size_t>(w)], x, y, z, least);
+          least = distance(walls_[w], x, y, z, least);
       }
     return least;
   }
@@ -171,9 +175,7 @@ class PrismFunction final : public field::Function {
     const double t =
         std::clamp(((x - wall.from.x) * ex + (y - wall.from.y) * ey) / (ex * ex + ey * ey), 0.0, 1.0);
     const double qx = wall.from.x + t * ex, qy = wall.from.y + t * ey;
-    const auto between = [t](const float(&v)[2]) {
-      return static_cast<double>(v[0]) + t * (static_cast<double>(v[1]) - static_cast<double>(v[0]));
-    };
+    const auto between = [t](const float(&v)[2]) { return v[0] + t * (double{v[1]} - v[0]); };
     const double bottom = between(wall.bottom), top = between(wall.top);
     if (!(bottom < top)) return least;
     const double at = std::clamp(z, bottom, top);
@@ -225,7 +227,7 @@ void PrismFunction::find_walls() {
   constexpr int across[4][2] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
   for (int j = 0; j < cells_y_; ++j)
     for (int i = 0; i < cells_x_; ++i) {
-      wall_starts_.push_back(static_cast<std::int32_t>(walls_.size()));
+      wall_starts_.push_back(end_of(walls_));
       for (const Slab& slab : slabs(cell(i, j))) {
         for (std::size_t a = 0; a < 4; ++a) {
           const std::size_t b = (a + 1) % 4, c = (a + 3) % 4, d = (a + 2) % 4;
@@ -246,22 +248,22 @@ void PrismFunction::find_walls() {
         add_wall(i, j, slab, (dead + 3) % 4, (dead + 1) % 4, -1);
       }
     }
-  wall_starts_.push_back(static_cast<std::int32_t>(walls_.size()));
-  near_walls_.assign(static_cast<std::size_t>(cells_x_) * static_cast<std::size_t>(cells_y_), false);
+  wall_starts_.push_back(end_of(walls_));
+  near_walls_.assign(std::int64_t{cells_x_} * cells_y_, false);
   for (int j = 0; j < cells_y_; ++j)
     for (int i = 0; i < cells_x_; ++i) {
-      const std::size_t at = static_cast<std::size_t>(cell(i, j));
+      const std::int32_t at = cell(i, j);
       if (wall_starts_[at] == wall_starts_[at + 1]) continue;
       for (int b = std::max(0, j - 1); b <= std::min(j + 1, cells_y_ - 1); ++b)
         for (int a = std::max(0, i - 1); a <= std::min(i + 1, cells_x_ - 1); ++a)
-          near_walls_[static_cast<std::size_t>(cell(a, b))] = true;
+          near_walls_[cell(a, b)] = true;
     }
 }
 
 void PrismFunction::summarize() {
   tiles_x_ = (cells_x_ + tile_cells - 1) / tile_cells;
   const int tiles_y = (cells_y_ + tile_cells - 1) / tile_cells;
-  highest_.assign(static_cast<std::size_t>(tiles_x_) * static_cast<std::size_t>(tiles_y), -1e30f);
+  highest_.assign(std::int64_t{tiles_x_} * tiles_y, -1e30f);
   for (int j = 0; j < cells_y_; ++j)
     for (int i = 0; i < cells_x_; ++i)
       for (const Slab& slab : slabs(cell(i, j))) {
@@ -269,15 +271,13 @@ void PrismFunction::summarize() {
           double low = 1e30, top = -1e30;
           for (std::size_t k = 0; k < 4; ++k) {
             if (!(slab.corners >> k & 1) || (*side)[k] == endless) continue;
-            low = std::min(low, static_cast<double>((*side)[k]));
-            top = std::max(top, static_cast<double>((*side)[k]));
+            low = std::min<double>(low, (*side)[k]);
+            top = std::max<double>(top, (*side)[k]);
           }
           if (low < top) flattest_ = std::min(flattest_, flatness(top - low));
         }
         for (std::size_t k = 0; k < 4; ++k) {
-          float& high =
-              highest_[static_cast<std::size_t>(j / tile_cells) * static_cast<std::size_t>(tiles_x_) +
-                       static_cast<std::size_t>(i / tile_cells)];
+          float& high = highest_[tile_of(i / tile_cells, j / tile_cells)];
           if (slab.corners >> k & 1) high = std::max(high, slab.top[k]);
         }
       }
@@ -285,12 +285,13 @@ void PrismFunction::summarize() {
 
 /// Cell by cell: matter that fills the box there, or air that does; else both.
 Interval PrismFunction::range(const Box3d& box) const {
-  const Interval all{static_cast<float>(-reach_), static_cast<float>(reach_)};
+  const auto r = static_cast<float>(reach_);
+  const Interval all{-r, r};
   const double lo = box.lo.z - frame_.origin.z, hi = box.hi.z - frame_.origin.z;
   const double x0 = box.lo.x - frame_.origin.x, x1 = box.hi.x - frame_.origin.x;
   const double y0 = box.lo.y - frame_.origin.y, y1 = box.hi.y - frame_.origin.y;
   const auto index = [](double v, double d, int cells) {
-    return static_cast<int>(std::clamp(std::floor(v / d), 0.0, static_cast<double>(cells - 1)));
+    return static_cast<int>(std::clamp<double>(std::floor(v / d), 0.0, cells - 1));
   };
   const double off = std::max({-x1, -y1, x0 - cells_x_ * frame_.dx, y0 - cells_y_ * frame_.dy});
   if (off > 0) return {all.lo, static_cast<float>(-std::min(off, reach_) * (1 - 1e-6))};
@@ -301,18 +302,15 @@ Interval PrismFunction::range(const Box3d& box) const {
   double highest = -1e30;
   for (int tj = j0 / tile_cells; tj <= j1 / tile_cells; ++tj)
     for (int ti = i0 / tile_cells; ti <= i1 / tile_cells; ++ti)
-      highest = std::max(
-          highest,
-          static_cast<double>(highest_[static_cast<std::size_t>(tj) * static_cast<std::size_t>(tiles_x_) +
-                                       static_cast<std::size_t>(ti)]));
+      highest = std::max<double>(highest, highest_[tile_of(ti, tj)]);
   if (lo > highest + reach_)
     return {all.lo, static_cast<float>(-std::min(reach_, (lo - highest) * flattest_) * (1 - 1e-5))};
   double least = reach_, most = -reach_;
   for (int j = j0; j <= j1; ++j)
     for (int i = i0; i <= i1; ++i) {
       const Interval here = range(cell(i, j), lo, hi);
-      least = std::min(least, static_cast<double>(here.lo));
-      most = std::max(most, static_cast<double>(here.hi));
+      least = std::min<double>(least, here.lo);
+      most = std::max<double>(most, here.hi);
       if (least < 0 && most > 0) return all;
     }
   if (beyond && most > 0) return all;
@@ -331,10 +329,10 @@ Interval PrismFunction::range(std::int32_t at, double lo, double hi) const {
     double top_lo = 1e30, top_hi = -1e30, bottom_lo = 1e30, bottom_hi = -1e30;
     for (std::size_t k = 0; k < 4; ++k) {
       if (!(slab.corners >> k & 1)) continue;
-      top_lo = std::min(top_lo, static_cast<double>(slab.top[k]));
-      top_hi = std::max(top_hi, static_cast<double>(slab.top[k]));
-      bottom_lo = std::min(bottom_lo, static_cast<double>(slab.bottom[k]));
-      bottom_hi = std::max(bottom_hi, static_cast<double>(slab.bottom[k]));
+      top_lo = std::min<double>(top_lo, slab.top[k]);
+      top_hi = std::max<double>(top_hi, slab.top[k]);
+      bottom_lo = std::min<double>(bottom_lo, slab.bottom[k]);
+      bottom_hi = std::max<double>(bottom_hi, slab.bottom[k]);
     }
     const double flat_top = flatness(top_hi - top_lo), flat_bottom = flatness(bottom_hi - bottom_lo);
     if (lo > top_hi)
@@ -348,7 +346,7 @@ Interval PrismFunction::range(std::int32_t at, double lo, double hi) const {
       return {-r, r};
     }
   }
-  const bool walls = near_walls_[static_cast<std::size_t>(at)];
+  const bool walls = near_walls_[at];
   if (!filled && walls) return {-r, static_cast<float>(-clear_of_walls(at, lo, hi))};
   if (filled) return {walls ? 0 : static_cast<float>(std::min(depth, reach_)), r};
   return {-r, static_cast<float>(most)};
@@ -364,8 +362,8 @@ double PrismFunction::clear_of_walls(std::int32_t at, double lo, double hi) cons
       for (const Slab& slab : slabs(cell(a, b)))
         for (std::size_t k = 0; k < 4; ++k) {
           if (!(slab.corners >> k & 1)) continue;
-          lowest = std::min(lowest, static_cast<double>(slab.bottom[k]));
-          highest = std::max(highest, static_cast<double>(slab.top[k]));
+          lowest = std::min<double>(lowest, slab.bottom[k]);
+          highest = std::max<double>(highest, slab.top[k]);
         }
   return std::min(reach_, std::max({0.0, lo - highest, lowest - hi}) * flattest_);
 }

@@ -1,3 +1,7 @@
+// A field as a grid: columns of blocks go to threads, whose evaluators look only at bricks that may hold
+// the surface. What an interval shows to be one value, or beyond the band, is written down without
+// looking.
+
 #include "tafoni/volume/sample.h"
 
 #include <algorithm>
@@ -88,9 +92,7 @@ class ColumnSampler {
   /// Copies a chunk's samples out of the block that begins at `first`.
   void gather(Vec3i first, Made& made) const {
     const SampleBox& box = made.box;
-    const Vec3i n = box.size();
-    made.values.resize(static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) *
-                       static_cast<std::size_t>(n.z));
+    made.values.resize(box.count());
     for (int z = box.lo.z; z <= box.hi.z; z += brick)
       for (int y = box.lo.y; y <= box.hi.y; y += brick)
         for (int x = box.lo.x; x <= box.hi.x; x += brick) gather_brick(first, {x, y, z}, made);
@@ -99,15 +101,14 @@ class ColumnSampler {
   }
 
   void gather_brick(Vec3i first, Vec3i lo, Made& made) const {
-    const Vec3i n = made.box.size(), at = lo - first, to = lo - made.box.lo;
+    const Vec3i at = lo - first;
     const SampleBox part = common(made.box, lo, brick);
     const bool active = samples_.brick(at.x / brick, at.y / brick, at.z / brick);
     // Beyond the band, where one sample tells on which side all are.
     const float beyond = active ? 0 : std::copysign(band_, field_.value(frame_.position(lo)));
     for (int k = 0; k < part.size().z; ++k)
       for (int j = 0; j < part.size().y; ++j) {
-        float* row =
-            made.values.data() + (static_cast<std::ptrdiff_t>(to.z + k) * n.y + to.y + j) * n.x + to.x;
+        float* row = made.values.data() + made.box.index(lo + Vec3i{0, j, k});
         for (int i = 0; i < part.size().x; ++i) {
           const float v = active ? samples_.at(at.x + i, at.y + j, at.z + k) : beyond;
           row[i] = band_ > 0 ? std::clamp(v, -band_, band_) : v;
@@ -159,25 +160,25 @@ ScalarGrid sample(const field::CompiledField& field, const GridFrame& frame, con
   const int columns_x = (frame.size.x + block_side - 1) / block_side,
             columns_y = (frame.size.y + block_side - 1) / block_side;
   const std::int64_t total = std::int64_t{columns_x} * columns_y;
-  progress.begin("sampling", static_cast<std::uint64_t>(total), "columns");
+  progress.begin("sampling", total, "columns");
   struct Column {
     std::unique_ptr<ColumnSampler> sampler;
     std::vector<Made> chunks;
   };
-  std::vector<Column> group(static_cast<std::size_t>(std::min<std::int64_t>(total, columns_at_once)));
+  std::vector<Column> group(std::min<std::int64_t>(total, columns_at_once));
   for (std::int64_t begin = 0; begin < total; begin += columns_at_once) {
     const std::int64_t count = std::min<std::int64_t>(columns_at_once, total - begin);
     parallel_for(
         count,
         [&](std::int64_t i) {
-          Column& column = group[static_cast<std::size_t>(i)];
+          Column& column = group[i];
           if (!column.sampler) column.sampler = std::make_unique<ColumnSampler>(field, frame, band, progress);
           column.sampler->run(static_cast<int>((begin + i) % columns_x),
                               static_cast<int>((begin + i) / columns_x), column.chunks);
         },
         progress);
     for (std::int64_t i = 0; i < count; ++i)
-      for (const Made& made : group[static_cast<std::size_t>(i)].chunks) {
+      for (const Made& made : group[i].chunks) {
         if (made.same)
           grid.fill(made.box, *made.same);
         else

@@ -1,3 +1,6 @@
+// Scalar grids: slots of 32^3 samples that are either one value or a shared chunk. Reads, edits and
+// interpolation go chunk by chunk; ranges are kept by blocks of 8^3 samples.
+
 #include "tafoni/volume/scalar_grid.h"
 
 #include <algorithm>
@@ -50,9 +53,7 @@ struct ScalarGrid::State {
   std::vector<Slot> slots;
   double per_metre;
 
-  std::size_t slot_index(Vec3i c) const {
-    return (static_cast<std::size_t>(c.z) * chunks.y + c.y) * static_cast<std::size_t>(chunks.x) + c.x;
-  }
+  std::size_t slot_index(Vec3i c) const { return (std::int64_t{c.z} * chunks.y + c.y) * chunks.x + c.x; }
   const Slot& slot_of(Vec3i s) const { return slots[slot_index({s.x >> shift, s.y >> shift, s.z >> shift})]; }
   SampleBox samples() const { return {{0, 0, 0}, {frame.size.x - 1, frame.size.y - 1, frame.size.z - 1}}; }
   SampleBox samples_of(Vec3i c) const {
@@ -191,9 +192,7 @@ struct ScalarGrid::State {
           const SampleBox block{{x * n, y * n, z * n}, {x * n + n - 1, y * n + n - 1, z * n + n - 1}};
           const SampleBox both = common({lo, hi}, block);
           if (!exact || both == block) {
-            expand(
-                range,
-                chunk.ranges[static_cast<std::size_t>((z * impl::blocks_side + y) * impl::blocks_side + x)]);
+            expand(range, chunk.ranges[(z * impl::blocks_side + y) * impl::blocks_side + x]);
             continue;
           }
           block_range(chunk, both, range);
@@ -209,7 +208,7 @@ ScalarGrid::ScalarGrid(const GridFrame& frame, float value, Precision precision)
   if (!(frame.spacing > 0) || !std::isfinite(frame.spacing) || !frame.box().bounded())
     fail(ErrorKind::usage, "a grid's origin must be finite and its spacing ({}) above 0 and finite",
          frame.spacing);
-  if (static_cast<double>(n.x) * n.y * n.z > 0x1p40 || std::max({n.x, n.y, n.z}) > 1 << 30)
+  if (1.0 * n.x * n.y * n.z > 0x1p40 || std::max({n.x, n.y, n.z}) > 1 << 30)
     fail(ErrorKind::usage, "a grid of {} x {} x {} samples is too large: at most 2^40 in all, 2^30 a side",
          n.x, n.y, n.z);
   const auto count = [](int samples) { return (samples - 1) / side + 1; };
@@ -218,7 +217,7 @@ ScalarGrid::ScalarGrid(const GridFrame& frame, float value, Precision precision)
   state_ = std::make_unique<State>(
       State{frame, precision, {count(n.x), count(n.y), count(n.z)}, {}, 1 / frame.spacing});
   const Vec3i c = state_->chunks;
-  state_->slots.assign(static_cast<std::size_t>(c.x) * c.y * static_cast<std::size_t>(c.z), {{}, row[0]});
+  state_->slots.assign(std::int64_t{c.x} * c.y * c.z, {{}, row[0]});
 }
 
 ScalarGrid::ScalarGrid(const ScalarGrid& other) : state_(std::make_unique<State>(*other.state_)) {}
@@ -297,15 +296,12 @@ void ScalarGrid::write(const SampleBox& box, const float* in) {
          box.lo.z, box.hi.x, box.hi.y, box.hi.z);
   std::vector<std::pair<Vec3i, SampleBox>> parts;
   state.for_chunks(box, [&](Vec3i chunk, const SampleBox& part) { parts.emplace_back(chunk, part); });
-  const Vec3i n = box.size();
-  parallel_blocks(static_cast<std::int64_t>(parts.size()), 4, [&](std::int64_t begin, std::int64_t end) {
+  parallel_blocks(std::ssize(parts), 4, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
-      const auto& [chunk, part] = parts[static_cast<std::size_t>(i)];
+      const auto& [chunk, part] = parts[i];
       ChunkEditor(state.slots[state.slot_index(chunk)], state.precision, state.samples_of(chunk))
           .rows(part, [&](Vec3i first, std::span<float> row) {
-            const Vec3i at = first - box.lo;
-            const float* from = in + (static_cast<std::ptrdiff_t>(at.z) * n.y + at.y) * n.x + at.x;
-            std::copy_n(from, row.size(), row.data());
+            std::copy_n(in + box.index(first), row.size(), row.data());
           });
     }
   });
@@ -340,11 +336,11 @@ void ScalarGrid::generate(const std::function<std::optional<float>(const SampleB
   State& state = *state_;
   const Vec3i n = state.chunks;
   parallel_for(
-      static_cast<std::int64_t>(state.slots.size()),
+      std::ssize(state.slots),
       [&](std::int64_t i) {
         const SampleBox box = state.samples_of(
             {static_cast<int>(i % n.x), static_cast<int>(i / n.x % n.y), static_cast<int>(i / n.x / n.y)});
-        Slot& slot = state.slots[static_cast<std::size_t>(i)];
+        Slot& slot = state.slots[i];
         std::unique_ptr<float[]> samples(new float[impl::chunk_size]);
         if (const auto same = make(box, samples.get())) {
           float row[1] = {*same};
@@ -352,7 +348,7 @@ void ScalarGrid::generate(const std::function<std::optional<float>(const SampleB
           slot = {{}, row[0]};
           return;
         }
-        slot = {ChunkPtr(impl::made_of(std::move(samples), state.precision, box.size()).release()), 0};
+        slot = {ChunkPtr(impl::make_chunk(std::move(samples), state.precision, box.size()).release()), 0};
       },
       progress);
 }
@@ -370,7 +366,7 @@ void ScalarGrid::compact() {
     for (int z = 0; z < n.z; ++z)
       for (int y = 0; y < n.y; ++y) {
         read_row(slot, GridChunk::index(0, y, z), n.x, row);
-        if (std::memcmp(row, same, static_cast<std::size_t>(n.x) * sizeof(float)) != 0) return;
+        if (std::memcmp(row, same, n.x * sizeof(float)) != 0) return;
       }
     slot = alike;
   });
@@ -422,8 +418,8 @@ bool ScalarGrid::uniform(Vec3i c, float* value) const {
 }
 
 std::uint64_t ScalarGrid::full_chunks() const {
-  return static_cast<std::uint64_t>(
-      std::count_if(state_->slots.begin(), state_->slots.end(), [](const Slot& s) { return bool(s.chunk); }));
+  return std::count_if(state_->slots.begin(), state_->slots.end(),
+                       [](const Slot& s) { return bool(s.chunk); });
 }
 
 std::uint64_t ScalarGrid::bytes() const {
@@ -445,7 +441,7 @@ bool operator==(const ScalarGrid& a, const ScalarGrid& b) {
         float u[side], v[side];
         read_row(p, GridChunk::index(0, y, z), n.x, u);
         read_row(q, GridChunk::index(0, y, z), n.x, v);
-        equal = std::memcmp(u, v, static_cast<std::size_t>(n.x) * sizeof(float)) == 0;
+        equal = std::memcmp(u, v, n.x * sizeof(float)) == 0;
       }
   });
   return equal;

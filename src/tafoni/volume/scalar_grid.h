@@ -32,6 +32,12 @@ struct SampleBox {
 
   bool empty() const { return hi.x < lo.x || hi.y < lo.y || hi.z < lo.z; }
   Vec3i size() const { return {hi.x - lo.x + 1, hi.y - lo.y + 1, hi.z - lo.z + 1}; }
+  /// How many samples, of a box that is not empty.
+  std::int64_t count() const { return std::int64_t{size().x} * size().y * size().z; }
+  /// The place of a sample among those of the box, x fastest, z slowest.
+  std::int64_t index(Vec3i s) const {
+    return (std::int64_t{s.z - lo.z} * size().y + (s.y - lo.y)) * size().x + (s.x - lo.x);
+  }
   friend bool operator==(const SampleBox&, const SampleBox&) = default;
 };
 

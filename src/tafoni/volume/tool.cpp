@@ -1,3 +1,6 @@
+// Tools are made here, checked, and given as plain numbers; what they do lies in their shapes
+// (impl/tool_shape.h).
+
 #include "tafoni/volume/tool.h"
 
 #include "tafoni/core/error.h"

@@ -1,3 +1,6 @@
+// Tunnels [Ju01 §3]: an axis of displaced midpoints, levelled so that it can be walked, and its carving
+// into a grid, brick by brick, by the segments that reach each brick.
+
 #include "tafoni/volume/tunnel.h"
 
 #include <algorithm>
@@ -33,7 +36,7 @@ class Carving {
     bricks_ = {(frame_.size.x - 1) / side + 1, (frame_.size.y - 1) / side + 1,
                (frame_.size.z - 1) / side + 1};
     half_ = 0.5 * std::sqrt(3.0) * (side - 1) * frame_.spacing;
-    reach_ = std::min(reach, static_cast<double>(grid.range(frame_.box()).hi));
+    reach_ = std::min<double>(reach, grid.range(frame_.box()).hi);
   }
 
   SampleBox run(const std::vector<Cone>& cones, Progress& progress) {
@@ -49,9 +52,8 @@ class Carving {
       if (i == 0 || key_at(i) >> 6 != key_at(i - 1) >> 6) chunks.push_back(i);
     chunks.push_back(starts_.size() - 1);
     std::vector<SampleBox> lowered(chunks.size() - 1);
-    parallel_for(static_cast<std::int64_t>(lowered.size()), [&](std::int64_t i) {
+    parallel_for(std::ssize(lowered), [&](std::int64_t c) {
       progress.check();
-      const auto c = static_cast<std::size_t>(i);
       Made made;
       for (std::size_t brick = chunks[c]; brick < chunks[c + 1]; ++brick) {
         evaluate(brick, made);
@@ -122,7 +124,7 @@ class Carving {
           }
     }
     if (pieces == 1) return;
-    const auto begin = near_.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto begin = near_.begin() + first;
     std::sort(begin, near_.end(), [](const Near& a, const Near& b) { return a.key < b.key; });
     near_.erase(std::unique(begin, near_.end(), [](const Near& a, const Near& b) { return a.key == b.key; }),
                 near_.end());
@@ -151,7 +153,7 @@ class Carving {
     grid_.read(made.box, made.values);
     const Vec3i size = made.box.size();
     const float stands = *std::max_element(made.values, made.values + size.x * size.y * size.z);
-    made.any = lowest < static_cast<double>(stands);
+    made.any = lowest < stands;
     if (!made.any) return;
     for (const auto& [below, cone] : all)
       if (below <= least) list.push_back(cone);

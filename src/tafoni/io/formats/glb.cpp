@@ -1,3 +1,7 @@
+// glTF 2.0 binary: one mesh in a node whose extras hold what glTF has no place for, y up. The reader
+// gathers the triangles of every node of the default scene; what it does not know it refuses by a
+// sentence.
+
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -7,6 +11,7 @@
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/seams.h"
 #include "tafoni/io/impl/writing.h"
+#include "tafoni/io/mesh_file.h"
 
 namespace tafoni::io {
 namespace {
@@ -255,8 +260,7 @@ class Reader {
     for (std::uint64_t i = 0; i < count; ++i)
       for (int k = 0; k < colors.components; ++k) {
         const double v = colors.value(i, k);
-        mesh_.colors[base + i][static_cast<std::size_t>(k)] =
-            static_cast<std::uint8_t>(v > 0 ? std::min(v, 1.0) * 255 + 0.5 : 0.0);
+        mesh_.colors[base + i][k] = static_cast<std::uint8_t>(v > 0 ? std::min(v, 1.0) * 255 + 0.5 : 0.0);
       }
   }
 

@@ -2,6 +2,7 @@
 
 #include <stb_image_write.h>
 
+#include "tafoni/core/atomic_file.h"
 #include "tafoni/core/error.h"
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/pixels.h"
@@ -12,7 +13,7 @@ namespace {
 constexpr int quality = 88;  ///< of 100: no blocks to be seen on rock, a tenth of a PNG's size
 
 void write(AtomicFile& out, const raster::Image& image) {
-  const auto bytes = impl::interleaved(image, 3);
+  const auto bytes = impl::interleave(image, 3);
   std::string jpg;
   if (!stbi_write_jpg_to_func(impl::append_to, &jpg, image.width(), image.height(), 3, bytes.data(), quality))
     fail(ErrorKind::output, "A picture of {} x {} pixels cannot be written as JPEG.", image.width(),

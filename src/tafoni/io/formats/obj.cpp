@@ -1,3 +1,6 @@
+// Wavefront OBJ: text with the shortest numbers that read back the same; colours follow the position. The
+// reader takes what a mesh can hold and passes over the rest.
+
 #include <algorithm>
 #include <charconv>
 #include <string>
@@ -6,6 +9,7 @@
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/seams.h"
 #include "tafoni/io/impl/writing.h"
+#include "tafoni/io/mesh_file.h"
 
 namespace tafoni::io {
 namespace {
@@ -126,7 +130,7 @@ class Reader {
 
   std::uint32_t index(std::string_view word, std::size_t count) const {
     const std::int64_t value = cursor_.integer(word);
-    const auto n = static_cast<std::int64_t>(count);
+    const std::int64_t n = count;
     const std::int64_t v = value < 0 ? n + value : value - 1;
     if (value == 0 || v < 0 || v >= n) cursor_.fail_here(fmt::format("index {} is not defined here", value));
     return static_cast<std::uint32_t>(v);

@@ -1,8 +1,11 @@
+// OFF, read only: a count of vertices and faces, their lines, and polygons that become fans of triangles.
+
 #include <algorithm>
 #include <string>
 
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/reading.h"
+#include "tafoni/io/mesh_file.h"
 
 namespace tafoni::io {
 namespace {
@@ -19,12 +22,12 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
   cursor.rest_of_line();
   // The shortest vertex is "0 0 0\n" and the shortest face "3 0 1 2\n" or "0\n": a hostile count cannot
   // allocate more than a small multiple of the file.
-  const auto left = static_cast<std::int64_t>(cursor.left());
+  const std::int64_t left = cursor.left();
   if (vertices < 0 || faces < 0 || vertices > left / 6 + 1 || faces > left / 2 + 1)
     cursor.fail_here("more vertices or faces are announced than the file can hold");
 
   mesh::Mesh mesh;
-  mesh.positions.reserve(static_cast<std::size_t>(vertices));
+  mesh.positions.reserve(vertices);
   for (std::int64_t i = 0; i < vertices; ++i) {
     Vec3d p;
     p.x = cursor.number(cursor.token_anywhere());

@@ -1,3 +1,6 @@
+// PLY: little-endian binary out; text and both byte orders in, whatever the order and types of the
+// properties.
+
 #include <algorithm>
 #include <string>
 
@@ -5,6 +8,7 @@
 #include "tafoni/io/impl/ply_header.h"
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/writing.h"
+#include "tafoni/io/mesh_file.h"
 
 namespace tafoni::io {
 namespace {
@@ -67,7 +71,7 @@ class Values {
     const std::size_t size = impl::size_of(type);
     if (bytes_.size() - at_ < size) cursor_.fail_here("the data ends too early");
     std::byte raw[8];
-    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(at_), size, raw);
+    std::copy_n(bytes_.begin() + at_, size, raw);
     if (encoding_ == PlyEncoding::big) std::reverse(raw, raw + size);
     at_ += size;
     return convert(raw, type);
@@ -120,13 +124,13 @@ void read_vertices(Values& values, const PlyElement& element, mesh::Mesh& mesh) 
   bool has[9] = {};
   for (int k = 0; k < 9; ++k) {
     const int at = element.find(names[k]);
-    has[k] = at >= 0 && !element.properties[static_cast<std::size_t>(at)].list;
-    if (has[k]) slot[static_cast<std::size_t>(at)] = k;
+    has[k] = at >= 0 && !element.properties[at].list;
+    if (has[k]) slot[at] = k;
   }
   if (!has[0] || !has[1] || !has[2]) values.fail_here("a vertex has no x, y and z");
   const bool smooth = has[3] && has[4] && has[5], colored = has[6] && has[7] && has[8];
   const int red = element.find("red");
-  const bool whole = colored && element.properties[static_cast<std::size_t>(red)].type == PlyType::u8;
+  const bool whole = colored && element.properties[red].type == PlyType::u8;
   mesh.positions.reserve(element.count);
   if (smooth) mesh.normals.reserve(element.count);
   if (colored) mesh.colors.reserve(element.count);
@@ -150,14 +154,13 @@ void read_vertices(Values& values, const PlyElement& element, mesh::Mesh& mesh) 
 void read_faces(Values& values, const PlyElement& element, mesh::Mesh& mesh) {
   int at = element.find("vertex_indices");
   if (at < 0) at = element.find("vertex_index");
-  if (at < 0 || !element.properties[static_cast<std::size_t>(at)].list)
-    values.fail_here("a face has no list of vertex_indices");
+  if (at < 0 || !element.properties[at].list) values.fail_here("a face has no list of vertex_indices");
   mesh.triangles.reserve(element.count);
   std::vector<std::uint32_t> polygon;
   for (std::uint64_t i = 0; i < element.count; ++i) {
-    for (std::size_t p = 0; p < element.properties.size(); ++p) {
+    for (int p = 0; p < std::ssize(element.properties); ++p) {
       const PlyProperty& property = element.properties[p];
-      if (static_cast<int>(p) != at) {
+      if (p != at) {
         skip(values, property);
         continue;
       }

@@ -3,6 +3,7 @@
 
 #include <stb_image_write.h>
 
+#include "tafoni/core/atomic_file.h"
 #include "tafoni/core/error.h"
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/pixels.h"
@@ -14,7 +15,7 @@ void write(AtomicFile& out, const raster::Image& image) {
   const bool opaque =
       std::ranges::all_of(image.values(), [](const std::array<std::uint8_t, 4>& p) { return p[3] == 255; });
   const int channels = opaque ? 3 : 4;
-  const auto bytes = impl::interleaved(image, channels);
+  const auto bytes = impl::interleave(image, channels);
   std::string png;
   if (!stbi_write_png_to_func(impl::append_to, &png, image.width(), image.height(), channels, bytes.data(),
                               image.width() * channels))

@@ -1,3 +1,6 @@
+// STL: triangles with no vertices in common, which the reader welds; the header's 80 bytes hold the world
+// origin. Binary out, binary and text in.
+
 #include <algorithm>
 #include <array>
 #include <string>
@@ -5,6 +8,7 @@
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/writing.h"
+#include "tafoni/io/mesh_file.h"
 
 namespace tafoni::io {
 namespace {

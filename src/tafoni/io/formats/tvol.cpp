@@ -31,6 +31,8 @@
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/volume_chunks.h"
 #include "tafoni/io/impl/writing.h"
+#include "tafoni/io/mesh_file.h"
+#include "tafoni/io/volume_file.h"
 #include "tafoni/math/half.h"
 
 namespace tafoni::io {
@@ -102,10 +104,7 @@ void add_up(std::vector<T>& v, std::size_t stride, std::size_t n) {
 
 struct Sides {
   std::size_t x, y, z;
-  explicit Sides(Vec3i n)
-      : x(static_cast<std::size_t>(n.x)),
-        y(static_cast<std::size_t>(n.y)),
-        z(static_cast<std::size_t>(n.z)) {}
+  explicit Sides(Vec3i n) : x(n.x), y(n.y), z(n.z) {}
 };
 
 std::uint32_t to_bits(float v, std::uint32_t) {
@@ -150,7 +149,7 @@ void decode(const std::vector<std::byte>& planes, Vec3i size, std::vector<float>
   for (std::size_t i = 0; i < v.size(); ++i) values[i] = to_value(from_ordered(v[i]));
 }
 
-std::string compressed(std::string_view raw) {
+std::string compress(std::string_view raw) {
   ZSTD_CCtx* context = ZSTD_createCCtx();
   ZSTD_CCtx_setParameter(context, ZSTD_c_compressionLevel, level);
   std::string out(ZSTD_compressBound(raw.size()), '\0');
@@ -187,38 +186,37 @@ std::string header_of(const Volume& volume, std::size_t text, std::size_t table)
   return out;
 }
 
-std::string encoded(const ScalarGrid& grid, std::int64_t index) {
+std::string encode_chunk(const ScalarGrid& grid, std::int64_t index) {
   const volume::SampleBox box = impl::chunk_box(grid, index);
   const Vec3i n = box.size();
-  std::vector<float> values(static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) *
-                            static_cast<std::size_t>(n.z));
+  std::vector<float> values(box.count());
   grid.read(box, values.data());
-  return compressed(grid.precision() == Precision::half ? encode<std::uint16_t>(values, n)
-                                                        : encode<std::uint32_t>(values, n));
+  return compress(grid.precision() == Precision::half ? encode<std::uint16_t>(values, n)
+                                                      : encode<std::uint32_t>(values, n));
 }
 
 void write(AtomicFile& out, const Volume& volume, Progress& progress) {
   const ScalarGrid& grid = volume.grid;
   const std::int64_t total = impl::chunk_count(grid);
-  std::vector<TableEntry> table(static_cast<std::size_t>(total));
+  std::vector<TableEntry> table(total);
   std::vector<std::string> data(table.size());
   parallel_for(
       total,
       [&](std::int64_t i) {
-        TableEntry& entry = table[static_cast<std::size_t>(i)];
+        TableEntry& entry = table[i];
         float same = 0;
         if (grid.uniform(impl::chunk_place(grid, i), &same)) {
           entry = {0, std::bit_cast<std::uint32_t>(same)};
           return;
         }
-        std::string& chunk = data[static_cast<std::size_t>(i)];
-        chunk = encoded(grid, i);
+        std::string& chunk = data[i];
+        chunk = encode_chunk(grid, i);
         entry = {static_cast<std::uint32_t>(chunk.size()), short_hash_of(bytes_of(chunk))};
       },
       progress);
   const std::string text = text_of(volume.metadata);
   const std::string packed =
-      compressed({reinterpret_cast<const char*>(table.data()), table.size() * sizeof(TableEntry)});
+      compress({reinterpret_cast<const char*>(table.data()), table.size() * sizeof(TableEntry)});
   std::string head = header_of(volume, text.size(), packed.size());
   impl::put(head, hash_of(bytes_of(packed), hash_of(bytes_of(text), hash_of(bytes_of(head)))));
   out.write(head);
@@ -268,15 +266,14 @@ class Reader {
     progress.begin("reading " + std::string(file_), table.size(), "chunks");
     impl::fill_chunks(
         out.grid, file_,
-        [&](std::int64_t index, impl::ChunkValues& chunk) {
-          const auto i = static_cast<std::size_t>(index);
+        [&](std::int64_t i, impl::ChunkValues& chunk) {
           if (table[i].bytes == 0) {
             chunk.same = std::bit_cast<float>(table[i].what);
             return;
           }
           const auto packed = data_.subspan(starts[i], table[i].bytes);
           if (short_hash_of(packed) != table[i].what) damaged("a chunk does not match its checksum");
-          unpack(packed, sample, impl::chunk_box(out.grid, index).size(), chunk.values);
+          unpack(packed, sample, impl::chunk_box(out.grid, i).size(), chunk.values);
         },
         progress);
     progress.end();
@@ -310,7 +307,7 @@ class Reader {
   }
 
   std::vector<TableEntry> read_table(std::int64_t chunks) const {
-    std::vector<TableEntry> table(static_cast<std::size_t>(chunks));
+    std::vector<TableEntry> table(chunks);
     if (!decompress(table_, std::as_writable_bytes(std::span(table))))
       damaged("its table of chunks cannot be read");
     return table;

@@ -3,8 +3,11 @@
 
 #include <string>
 
+#include "tafoni/core/atomic_file.h"
 #include "tafoni/core/error.h"
 #include "tafoni/io/format.h"
+#include "tafoni/io/mesh_file.h"
+#include "tafoni/io/volume_file.h"
 
 #ifdef TAFONI_OPENVDB
 
@@ -44,12 +47,12 @@ constexpr const char *size_key = "tafoni_size", *origin_key = "tafoni_origin", *
 /// Registers OpenVDB's types, once.
 void initialize() {
   static const bool done = (openvdb::initialize(), true);
-  static_cast<void>(done);
+  (void)done;
 }
 
 /// Runs work and says what OpenVDB throws as one sentence.
 template <class Work>
-auto guarded(ErrorKind kind, std::string_view file, const Work& work) {
+auto guard(ErrorKind kind, std::string_view file, const Work& work) {
   try {
     initialize();
     return work();
@@ -84,12 +87,9 @@ struct TreeWriter {
 
  private:
   void add_block(const SampleBox& box, Vec3i lo, const std::vector<float>& values) {
-    const Vec3i n = box.size(), hi{std::min(lo.x + block - 1, box.hi.x), std::min(lo.y + block - 1, box.hi.y),
-                                   std::min(lo.z + block - 1, box.hi.z)};
-    const auto row = [&](int y, int z) {
-      return values.data() + (static_cast<std::ptrdiff_t>(z - box.lo.z) * n.y + (y - box.lo.y)) * n.x +
-             (lo.x - box.lo.x);
-    };
+    const Vec3i hi{std::min(lo.x + block - 1, box.hi.x), std::min(lo.y + block - 1, box.hi.y),
+                   std::min(lo.z + block - 1, box.hi.z)};
+    const auto row = [&](int y, int z) { return values.data() + box.index({lo.x, y, z}); };
     const float first = *row(lo.y, lo.z);
     bool same = true;
     for (int z = lo.z; z <= hi.z && same; ++z)
@@ -155,7 +155,7 @@ class Sink : public std::streambuf {
  private:
   std::streamsize xsputn(const char* from, std::streamsize bytes) override {
     progress_.check();
-    file_.write(from, static_cast<std::size_t>(bytes));
+    file_.write(from, bytes);
     end_ = std::max(end_, file_.position());
     return bytes;
   }
@@ -165,13 +165,12 @@ class Sink : public std::streambuf {
     return c;
   }
   pos_type seekoff(off_type by, std::ios_base::seekdir from, std::ios_base::openmode which) override {
-    const std::size_t here = file_.position();
-    const std::size_t base = from == std::ios_base::beg ? 0 : from == std::ios_base::cur ? here : end_;
-    return by == 0 && base == here ? pos_type(by + static_cast<off_type>(base))
-                                   : seekpos(pos_type(by + static_cast<off_type>(base)), which);
+    const off_type here = file_.position();
+    const off_type base = from == std::ios_base::beg ? 0 : from == std::ios_base::cur ? here : off_type(end_);
+    return by == 0 && base == here ? pos_type(base) : seekpos(pos_type(base + by), which);
   }
   pos_type seekpos(pos_type to, std::ios_base::openmode) override {
-    file_.seek(static_cast<std::size_t>(off_type(to)));
+    file_.seek(off_type(to));
     return to;
   }
 
@@ -187,7 +186,7 @@ class Archive : public openvdb::io::Archive {
 };
 
 void write(AtomicFile& out, const Volume& volume, Progress& progress) {
-  guarded(ErrorKind::output, out.path().string(), [&] {
+  guard(ErrorKind::output, out.path().string(), [&] {
     const FloatGrid::Ptr grid = to_vdb(volume, progress);
     openvdb::MetaMap meta;
     const MeshMetadata& metadata = volume.metadata;
@@ -228,7 +227,7 @@ class Bytes : public std::streambuf {
 };
 
 /// The grid to read: a level set, or one with a usual name, or the first.
-FloatGrid::Ptr chosen(const openvdb::GridPtrVec& grids, std::string_view file) {
+FloatGrid::Ptr choose_grid(const openvdb::GridPtrVec& grids, std::string_view file) {
   FloatGrid::Ptr best;
   int rank = -1;
   std::string others;
@@ -305,7 +304,7 @@ struct Indices {
 
 /// The active voxels with a cell of what lies around, which closes the surface. Begins at a leaf, so that
 /// chunks and leaves stay in step.
-std::optional<Indices> active(const FloatGrid& grid) {
+std::optional<Indices> active_indices(const FloatGrid& grid) {
   const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
   if (box.empty()) return std::nullopt;
   Indices out;
@@ -336,7 +335,7 @@ void take(Place& place, const Indices& samples, std::string_view file) {
 Place place_of(const FloatGrid& grid, std::string_view file) {
   Place place;
   const double spacing = place.frame.spacing = spacing_of(grid, file);
-  const std::optional<Indices> voxels = active(grid);
+  const std::optional<Indices> voxels = active_indices(grid);
   const auto size = grid.getMetadata<openvdb::Vec3IMetadata>(size_key);
   const auto origin = grid.getMetadata<openvdb::Vec3DMetadata>(origin_key);
   const auto local = grid.getMetadata<openvdb::Vec3DMetadata>(local_key);
@@ -353,8 +352,7 @@ Place place_of(const FloatGrid& grid, std::string_view file) {
       frame.hi[axis] = std::max(frame.hi[axis], voxels->hi[axis]);
     }
     take(place, frame, file);
-    const Vec3d first{static_cast<double>(frame.lo[0]), static_cast<double>(frame.lo[1]),
-                      static_cast<double>(frame.lo[2])};
+    const Vec3d first{1.0 * place.first[0], 1.0 * place.first[1], 1.0 * place.first[2]};
     place.frame.origin = vector(local->value()) + spacing * first;
     place.origin = vector(origin->value());
     const Vec3d at = vector(grid.indexToWorld(Coord(0, 0, 0)));
@@ -375,13 +373,12 @@ class TreeReader {
       : accessor_(grid.getConstAccessor()), convert_(convert), first_(first) {}
 
   void read(const SampleBox& box, impl::ChunkValues& chunk) {
-    const Vec3i n = box.size();
     std::optional<float> same;
     bool alike = true;
     for (int z = box.lo.z; z <= box.hi.z; z += block)
       for (int y = box.lo.y; y <= box.hi.y; y += block)
         for (int x = box.lo.x; x <= box.hi.x; x += block) {
-          const std::optional<float> tile = read_block(box, n, {x, y, z}, chunk.values);
+          const std::optional<float> tile = read_block(box, {x, y, z}, chunk.values);
           alike = alike && tile && (!same || *same == *tile);
           same = tile;
         }
@@ -390,16 +387,14 @@ class TreeReader {
 
  private:
   /// The value of the whole block where it is a tile.
-  std::optional<float> read_block(const SampleBox& box, Vec3i n, Vec3i lo, std::vector<float>& out) {
+  std::optional<float> read_block(const SampleBox& box, Vec3i lo, std::vector<float>& out) {
     const Coord at(lo.x + first_.x(), lo.y + first_.y(), lo.z + first_.z());
     const Leaf* leaf = accessor_.probeConstLeaf(at);
     const float tile = leaf ? 0 : convert_(accessor_.getValue(at));
     for (int z = lo.z; z <= std::min(lo.z + block - 1, box.hi.z); ++z)
       for (int y = lo.y; y <= std::min(lo.y + block - 1, box.hi.y); ++y)
         for (int x = lo.x; x <= std::min(lo.x + block - 1, box.hi.x); ++x) {
-          const auto index = static_cast<std::size_t>(
-              (static_cast<std::ptrdiff_t>(z - box.lo.z) * n.y + (y - box.lo.y)) * n.x + (x - box.lo.x));
-          out[index] =
+          out[box.index({x, y, z})] =
               leaf ? convert_(leaf->getValue(Leaf::coordToOffset(at.offsetBy(x - lo.x, y - lo.y, z - lo.z))))
                    : tile;
         }
@@ -424,21 +419,20 @@ MeshMetadata metadata_of(const openvdb::MetaMap& meta) {
 }
 
 Volume read(std::span<const std::byte> bytes, std::string_view file, Progress& progress) {
-  return guarded(ErrorKind::input, file, [&] {
+  return guard(ErrorKind::input, file, [&] {
     Bytes buffer(bytes);
     std::istream in(&buffer);
     // OpenVDB goes on with what it could not read, as sizes.
     in.exceptions(std::ios_base::badbit | std::ios_base::failbit | std::ios_base::eofbit);
     openvdb::io::Stream stream(in, false);
-    const FloatGrid::Ptr grid = chosen(*stream.getGrids(), file);
+    const FloatGrid::Ptr grid = choose_grid(*stream.getGrids(), file);
     const Place place = place_of(*grid, file);
     const Convert convert = converter(*grid, place.frame.spacing);
     Volume out =
         impl::empty_volume(place.frame, convert(grid->background()),
                            grid->saveFloatAsHalf() ? Precision::half : Precision::single, place.origin, file);
     out.metadata = metadata_of(*stream.getMetadata());
-    progress.begin("reading " + std::string(file), static_cast<std::uint64_t>(impl::chunk_count(out.grid)),
-                   "chunks");
+    progress.begin("reading " + std::string(file), impl::chunk_count(out.grid), "chunks");
     impl::fill_chunks(
         out.grid, file,
         [&](std::int64_t index, impl::ChunkValues& chunk) {

@@ -1,3 +1,6 @@
+// How an elevation file's own frame becomes metric and north-up: from the georeference, from degrees to a
+// UTM zone, by flips and quarter turns where those are all, else by GDAL's warper.
+
 #include "tafoni/io/impl/dem_frame.h"
 
 #include <algorithm>

@@ -1,3 +1,7 @@
+// Elevation files as windows of heights: through GDAL, or as headerless square heightmaps of 16 bits.
+// Marks of missing data that no tag admits to are found here, and windows are averaged down by strips
+// from the coarsest overview that is fine enough.
+
 #include "tafoni/io/impl/dem_source.h"
 
 #include <algorithm>
@@ -191,7 +195,7 @@ class GdalSource final : public DemSource {
       fail(ErrorKind::input, "{} cannot be read whole, it is cut short or damaged{}; fetch it again.", name,
            messages.because());
     if (pair.mask == nullptr) return;
-    mask_.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+    mask_.resize(std::int64_t{w} * h);
     if (pair.mask->RasterIO(GF_Read, x, y, w, h, mask_.data(), w, h, GDT_Byte, 0, 0) != CE_None)
       fail(ErrorKind::input, "{}: its mask cannot be read{}; fetch it again.", name, messages.because());
     for (std::size_t i = 0; i < mask_.size(); ++i)
@@ -224,10 +228,10 @@ class RawSource final : public DemSource {
 
  private:
   void read_stored(std::size_t, int x, int y, int w, int h, double* out) override {
-    std::vector<unsigned char> row(static_cast<std::size_t>(w) * 2);
+    std::vector<unsigned char> row(std::int64_t{w} * 2);
     for (int r = 0; r < h; ++r) {
-      file_.seekg((static_cast<std::streamoff>(y + r) * width() + x) * 2);
-      if (!file_.read(reinterpret_cast<char*>(row.data()), static_cast<std::streamsize>(row.size())))
+      file_.seekg((std::streamoff{y + r} * width() + x) * 2);
+      if (!file_.read(reinterpret_cast<char*>(row.data()), std::ssize(row)))
         fail(ErrorKind::input, "{} cannot be read whole; fetch it again.", name);
       for (std::size_t i = 0; i < row.size() / 2; ++i) *out++ = row[2 * i] | row[2 * i + 1] << 8;
     }
@@ -259,7 +263,7 @@ class Averager {
   }
 
  private:
-  std::size_t columns() const { return static_cast<std::size_t>(out_.width()); }
+  int columns() const { return out_.width(); }
   void spread(const double* values, int count, double left, double wide, double tall) {
     for (int i = 0; i < count; ++i) {
       if (std::isnan(values[i])) continue;
@@ -267,16 +271,15 @@ class Averager {
       for (int col = static_cast<int>(begin / fx_); col < out_.width() && col * fx_ < end; ++col) {
         const double weight = (std::min(end, (col + 1) * fx_) - std::max(begin, col * fx_)) * tall;
         if (weight <= 0) continue;
-        sums_[static_cast<std::size_t>(col)] += weight * values[i];
-        weights_[static_cast<std::size_t>(col)] += weight;
+        sums_[col] += weight * values[i];
+        weights_[col] += weight;
       }
     }
   }
   void finish_row() {
     for (int col = 0; col < out_.width(); ++col) {
-      const auto c = static_cast<std::size_t>(col);
-      if (weights_[c] > 0.5 * fx_ * fy_ * (1 - 1e-6))
-        out_.at(col, row_) = static_cast<float>(sums_[c] / weights_[c]);
+      if (weights_[col] > 0.5 * fx_ * fy_ * (1 - 1e-6))
+        out_.at(col, row_) = static_cast<float>(sums_[col] / weights_[col]);
     }
     std::fill(sums_.begin(), sums_.end(), 0.0);
     std::fill(weights_.begin(), weights_.end(), 0.0);
@@ -322,7 +325,7 @@ bool DemSource::is_nodata(double stored) const {
 
 void DemSource::read(std::size_t level, int x, int y, int w, int h, double* out) {
   read_stored(level, x, y, w, h, out);
-  const std::size_t count = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
+  const std::size_t count = std::int64_t{w} * h;
   constexpr double missing = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < count; ++i)
     if (is_nodata(out[i]) || (nan_marks_missing && std::isnan(out[i]))) {
@@ -362,8 +365,8 @@ raster::Grid<float> read_window(DemSource& source, const std::array<int, 4>& win
       level = i;
   }
   const Level& from = source.levels[level];
-  const double wide = static_cast<double>(source.width()) / from.width;
-  const double tall = static_cast<double>(source.height()) / from.height;
+  const double wide = 1.0 * source.width() / from.width;
+  const double tall = 1.0 * source.height() / from.height;
   const auto [x, y, w, h] = window;
   const int left = static_cast<int>(x / wide), top = static_cast<int>(y / tall);
   const int right = std::min(from.width, static_cast<int>(std::ceil((x + w) / wide)));
@@ -377,24 +380,24 @@ raster::Grid<float> read_window(DemSource& source, const std::array<int, 4>& win
   std::vector<double> strip;
   Averager averager(out, fx, fy);
   const bool plain = level == 0 && fx == 1 && fy == 1;
-  progress.begin("read", static_cast<std::uint64_t>(bottom - top), "rows");
+  progress.begin("read", bottom - top, "rows");
   for (int row = top; row < bottom;) {
     int rows = std::min(most_rows, bottom - row);
     if (most_rows >= from.block_height && (row + rows) % from.block_height != 0 && row + rows < bottom)
       rows -= (row + rows) % from.block_height;
-    strip.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+    strip.resize(std::int64_t{columns} * rows);
     source.read(level, left, row, columns, rows, strip.data());
     for (int r = 0; r < rows; ++r) {
-      const double* values = strip.data() + static_cast<std::size_t>(r) * static_cast<std::size_t>(columns);
+      const double* values = strip.data() + std::int64_t{r} * columns;
       if (plain) {
         std::transform(values, values + columns, out.row(row + r - top),
                        [](double v) { return static_cast<float>(v); });
       } else {
         averager.add(values, columns, left * wide - x, wide, (row + r) * tall - y,
-                     std::min((row + r + 1) * tall - y, static_cast<double>(h)));
+                     std::min<double>((row + r + 1) * tall - y, h));
       }
     }
-    progress.advance(static_cast<std::uint64_t>(rows));
+    progress.advance(rows);
     row += rows;
   }
   if (!plain) averager.finish();

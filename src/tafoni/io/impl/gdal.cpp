@@ -1,3 +1,6 @@
+// GDAL is set up once, its messages are collected by thread, and what it opens is checked beforehand, so
+// that every failure is one sentence of ours.
+
 #include "tafoni/io/impl/gdal.h"
 
 #include <algorithm>

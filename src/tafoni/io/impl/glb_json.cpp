@@ -1,3 +1,6 @@
+// Reading the JSON of a glTF file: each key, index and accessor is checked to exist, to be of its kind
+// and to lie inside of the binary chunk before it is used.
+
 #include "tafoni/io/impl/glb_json.h"
 
 #include <cmath>
@@ -53,7 +56,7 @@ std::uint32_t GltfAccessor::index(std::uint64_t i) const {
 }
 
 double GltfAccessor::value(std::uint64_t i, int k) const {
-  const std::size_t at = i * stride + static_cast<std::size_t>(k * component_bytes(component));
+  const std::size_t at = i * stride + k * component_bytes(component);
   const auto scaled = [&](double v, double greatest) {
     return normalized ? std::max(v / greatest, -1.0) : v;
   };
@@ -139,7 +142,7 @@ GltfAccessor GltfDocument::accessor(std::uint64_t index) const {
   a.count = whole(declared, "count", 0);
   const auto flag = declared.find("normalized");
   a.normalized = flag != declared.end() && flag->is_boolean() && flag->get<bool>();
-  const auto element = static_cast<std::uint64_t>(component_bytes(a.component) * a.components);
+  const std::uint64_t element = component_bytes(a.component) * a.components;
   a.stride = whole(view, "byteStride", element);
   const std::uint64_t view_at = whole(view, "byteOffset", 0), view_bytes = whole(view, "byteLength", 0);
   const std::uint64_t offset = whole(declared, "byteOffset", 0);

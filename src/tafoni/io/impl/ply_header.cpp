@@ -1,3 +1,6 @@
+// The header of a PLY file is read line by line; counts that cannot fit in the file are refused before
+// anything is given memory for them.
+
 #include "tafoni/io/impl/ply_header.h"
 
 #include <utility>
@@ -80,7 +83,7 @@ PlyHeader read_ply_header(std::span<const std::byte> bytes, std::string_view fil
       element.name = cursor.token('\0');
       const std::int64_t count = cursor.integer(cursor.token('\0'));
       if (count < 0) cursor.fail_here("an element's count is negative");
-      element.count = static_cast<std::uint64_t>(count);
+      element.count = count;
       header.elements.push_back(std::move(element));
     } else if (word == "property") {
       if (header.elements.empty()) cursor.fail_here("a property stands before any element");

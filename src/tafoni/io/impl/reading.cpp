@@ -1,3 +1,6 @@
+// What readers share: a file mapped into memory, steps through text with the line for messages, welding
+// of vertices, and the last check of a mesh that was read.
+
 #include "tafoni/io/impl/reading.h"
 
 #include <bit>
@@ -20,7 +23,7 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
     fail(ErrorKind::input, "{}: cannot be opened ({}); check the path.", path.string(), std::strerror(errno));
   struct stat info = {};
   const bool regular = ::fstat(fd, &info) == 0 && S_ISREG(info.st_mode);
-  size_ = regular ? static_cast<std::size_t>(info.st_size) : 0;
+  size_ = regular ? info.st_size : 0;
   if (size_ > 0) data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, fd, 0);
   const int mapped = errno;
   ::close(fd);

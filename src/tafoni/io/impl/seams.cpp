@@ -1,3 +1,6 @@
+// Corners' texture coordinates as a list that vertices share, by a chain of coordinates a vertex; and
+// back.
+
 #include "tafoni/io/impl/seams.h"
 
 namespace tafoni::io::impl {

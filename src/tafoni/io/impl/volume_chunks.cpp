@@ -1,3 +1,6 @@
+// What formats of volumes share: chunks in their order, filled by many threads in groups and checked to
+// be finite, and the generator's values as JSON.
+
 #include "tafoni/io/impl/volume_chunks.h"
 
 #include <algorithm>
@@ -58,17 +61,15 @@ void fill_chunks(ScalarGrid& grid, std::string_view file,
                  Progress& progress) {
   const std::int64_t total = chunk_count(grid);
   constexpr std::int64_t group = 128;
-  std::vector<ChunkValues> chunks(static_cast<std::size_t>(std::min(total, group)));
+  std::vector<ChunkValues> chunks(std::min(total, group));
   for (std::int64_t begin = 0; begin < total; begin += group) {
     const std::int64_t count = std::min(group, total - begin);
     parallel_for(
         count,
         [&](std::int64_t i) {
-          ChunkValues& chunk = chunks[static_cast<std::size_t>(i)];
+          ChunkValues& chunk = chunks[i];
           chunk.same.reset();
-          const Vec3i n = chunk_box(grid, begin + i).size();
-          chunk.values.resize(static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) *
-                              static_cast<std::size_t>(n.z));
+          chunk.values.resize(chunk_box(grid, begin + i).count());
           load(begin + i, chunk);
           if (!chunk.same && all_alike(chunk.values)) chunk.same = chunk.values.front();
           const bool finite = chunk.same ? std::isfinite(*chunk.same)
@@ -79,7 +80,7 @@ void fill_chunks(ScalarGrid& grid, std::string_view file,
         },
         progress);
     for (std::int64_t i = 0; i < count; ++i) {
-      const ChunkValues& chunk = chunks[static_cast<std::size_t>(i)];
+      const ChunkValues& chunk = chunks[i];
       if (chunk.same)
         grid.fill(chunk_box(grid, begin + i), *chunk.same);
       else

@@ -11,7 +11,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "tafoni/core/progress.h"
-#include "tafoni/io/format.h"
+#include "tafoni/io/volume_file.h"
 
 namespace tafoni::io::impl {
 

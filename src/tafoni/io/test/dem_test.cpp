@@ -283,7 +283,7 @@ TEST(ReadDem, RefusesWrongThingsInOneSentence) {
     EXPECT_EQ(thrown.kind, ErrorKind::usage) << thrown.text;
     EXPECT_THAT(thrown.text, HasSubstr("window"));
   }
-  for (const double resolution : {-1.0, static_cast<double>(NAN), static_cast<double>(INFINITY), 1e6, 1e-4}) {
+  for (const double resolution : {-1.0, double{NAN}, double{INFINITY}, 1e6, 1e-4}) {
     DemOptions options;
     options.resolution = resolution;
     EXPECT_EQ(read(good, options).kind, ErrorKind::usage) << resolution;

@@ -61,7 +61,7 @@ Thrown thrown_by(F&& f) {
 }
 
 inline double at(const raster::Raster& r, int col, int row) {
-  return static_cast<double>(r.values.at(col, row));
+  return r.values.at(col, row);
 }
 inline std::string test_name(std::string file) {
   for (char& c : file)

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <stb_image.h>
 
-#include "tafoni/io/format.h"
+#include "tafoni/io/image_file.h"
 
 namespace tafoni::io {
 namespace {

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/io/test/volumes.h"
 
 namespace tafoni::io {
@@ -34,7 +35,7 @@ TEST_F(Tvol, EveryBitComesBack) {
     volume.grid.edit({{40, 40, 20}, {60, 60, 40}}, [](Vec3i first, std::span<float> row) {
       constexpr float odd[] = {0.0f, -0.0f, 1e-42f, -6e-8f, 65504, -1e-3f, 6e4f};
       for (std::size_t i = 0; i < row.size(); ++i)
-        row[i] = odd[(i + static_cast<std::size_t>(first.y) * 3 + static_cast<std::size_t>(first.z)) % 7];
+        row[i] = odd[(i + std::int64_t{first.y} * 3 + first.z) % 7];
     });
     write_volume(path("a.tvol"), volume);
     const Volume back = read_volume(path("a.tvol"));
@@ -175,8 +176,8 @@ TEST_F(Tvol, RefusesOtherVersionsFormatsAndValues) {
                    [](Vec3i, std::span<float> row) { row[0] = std::numeric_limits<float>::quiet_NaN(); });
   write_volume(path("b.tvol"), volume);
   EXPECT_THAT(sentence(bytes("b.tvol")), HasSubstr("not finite"));
-  EXPECT_THROW(read_volume(path("none.tvol")), Error);
-  EXPECT_THROW(read_volume(path("a.ply")), Error);
+  EXPECT_THAT(error_of([&] { read_volume(path("none.tvol")); }), HasSubstr("none.tvol: cannot be opened"));
+  EXPECT_THAT(error_of([&] { read_volume(path("a.ply")); }), HasSubstr("cannot be read as a volume"));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/test_folder.h"
 #include "tafoni/io/format.h"
+#include "tafoni/io/volume_file.h"
 
 namespace tafoni::io {
 

@@ -1,3 +1,6 @@
+// From light to picture: an edge-avoiding filter calms the noisy part of the light, then a filmic curve
+// and sRGB make bytes of it.
+
 #include "tafoni/render/impl/film.h"
 
 #include <algorithm>
@@ -14,8 +17,7 @@ void filter_pass(const Film& film, const View& view, const std::vector<Vec3f>& i
                  int step) {
   static constexpr float kernel[3] = {0.375f, 0.25f, 0.0625f};
   const float pixel = 2 * length(view.up) / static_cast<float>(view.height);
-  parallel_for(film.height(), [&](std::int64_t row) {
-    const int y = static_cast<int>(row);
+  parallel_for(film.height(), [&](int y) {
     for (int x = 0; x < film.width(); ++x) {
       const Pixel& here = film.at(x, y);
       const std::size_t at = film.index(x, y);
@@ -23,10 +25,7 @@ void filter_pass(const Film& film, const View& view, const std::vector<Vec3f>& i
         out[at] = in[at];
         continue;
       }
-      const auto point = [&](int c, int r) {
-        return view.direction(static_cast<float>(c) + 0.5f, static_cast<float>(r) + 0.5f) *
-               film.at(c, r).depth;
-      };
+      const auto point = [&](int c, int r) { return view.through(c, r) * film.at(c, r).depth; };
       const Vec3f p = point(x, y), n = normalized(here.normal);
       const float reach = pixel * here.depth * static_cast<float>(step);
       Vec3f sum;
@@ -46,6 +45,9 @@ void filter_pass(const Film& film, const View& view, const std::vector<Vec3f>& i
     }
   });
 }
+
+/// Chosen by eye: at an exposure of 1 sunlit rock comes out a little above middle grey.
+constexpr float mid_grey_gain = 0.49f;
 
 /// The ACES curve as K. Narkowicz fitted it (2015).
 float filmic(float x) {
@@ -73,9 +75,9 @@ void denoise(Film& film, const View& view) {
 
 raster::Image develop(const Film& film, double exposure) {
   raster::Image image(film.width(), film.height());
-  const float gain = 0.49f * static_cast<float>(exposure);
-  parallel_blocks(static_cast<std::int64_t>(film.size()), 16384, [&](std::int64_t begin, std::int64_t end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+  const float gain = mid_grey_gain * static_cast<float>(exposure);
+  parallel_blocks(std::ssize(film), 16384, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
       const Vec3f c = film.values()[i].color * gain;
       image.values()[i] = {srgb8(filmic(c.x)), srgb8(filmic(c.y)), srgb8(filmic(c.z)), 255};
     }

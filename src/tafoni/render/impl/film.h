@@ -22,6 +22,10 @@ struct View {
   Vec3f eye, forward, right, up;  ///< right and up reach the picture's edge at unit distance
   int width = 0, height = 0;
 
+  /// Direction, unit, of the point (u, v) of a pixel, in [0, 1] each; (0.5, 0.5) is its middle.
+  Vec3f through(int x, int y, float u = 0.5f, float v = 0.5f) const {
+    return direction(static_cast<float>(x) + u, static_cast<float>(y) + v);
+  }
   /// Direction, unit, of a point of the picture in pixels; (0, 0) is the top left corner.
   Vec3f direction(float x, float y) const {
     const float u = 2 * x / static_cast<float>(width) - 1, v = 1 - 2 * y / static_cast<float>(height);

@@ -1,3 +1,7 @@
+// Where to stand: cameras from outside are fitted around the whole mesh and the one whose coarse picture
+// shows most is taken; inside, roomy roofed places are sought at random and the one with the longest view
+// is taken.
+
 #include "tafoni/render/impl/framing.h"
 
 #include <algorithm>
@@ -15,7 +19,23 @@ namespace tafoni::render::impl {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double margin = 0.97;  // of the half picture
+constexpr double margin = 0.97;  // of the half picture is filled, so that nothing touches its edge
+
+// What a pixel is worth when cameras from outside are compared, chosen by eye: undercuts are what a picture
+// of 3D terrain is for; plain ground and water fill it without showing anything.
+constexpr double water_worth = 0.05, ground_worth = 0.15, steep_worth = 1.5, undercut_worth = 4;
+constexpr double border_worth = -0.6;  // the walls that close the mesh, and backs of triangles
+constexpr double elevations_tried[] = {0.27, 0.36, 0.50};  // radians down: three-quarter views
+constexpr double high_from = 0.4, high_worth = 0.85;  // from high up more ground is seen, but undercuts less
+
+// Views inside of caves.
+constexpr double inside_fov = 1.2;    // radians: wide, since walls are near
+constexpr double look_down = -0.12;   // a little down, at the floor ahead
+constexpr double roofed_least = 0.9;  // share of the sky that a place in a cave may not see
+constexpr float eye_share = 0.45f;    // of the height under the roof, but …
+constexpr float eye_height = 1.7f;  // … metres above the floor at most, and four spacings, for coarse meshes
+constexpr float longest_view = 12;  // of the room: what is further counts no more
+constexpr double near_quantile = 0.1, median_worth = 0.5, ahead_worth = 2.0;  // an outlook's score
 
 /// What a coarse picture from `camera` shows: cliffs and undercuts count, walls of the data's edge do not.
 double interest(const World& world, const Camera& camera, double aspect, std::optional<float> sea) {
@@ -30,26 +50,26 @@ double interest(const World& world, const Camera& camera, double aspect, std::op
   view.width = width;
   view.height = height;
   std::array<double, height> rows{};
-  parallel_for(height, [&](std::int64_t row) {
+  parallel_for(height, [&](int row) {
     double score = 0;
     for (int x = 0; x < width; ++x) {
-      const Vec3f d = view.direction(static_cast<float>(x) + 0.5f, static_cast<float>(row) + 0.5f);
+      const Vec3f d = view.through(x, row);
       const Hit hit = world.tracer().closest(view.eye, d);
       if (!hit) continue;
       const Vec3f p = view.eye + d * hit.t;
       const bool wall = world.is_border(p, hit.face);
       if (sea && p.z < *sea) {
-        score += wall ? 0 : 0.05;
+        score += wall ? 0 : water_worth;
         continue;
       }
       if (wall || dot(hit.face, d) > 0)
-        score -= 0.6;
+        score += border_worth;
       else if (hit.face.z < -0.1f)
-        score += 4;
+        score += undercut_worth;
       else
-        score += 0.15 + 1.5 * (1 - std::abs(hit.face.z));
+        score += ground_worth + steep_worth * (1 - std::abs(hit.face.z));
     }
-    rows[static_cast<std::size_t>(row)] = score;
+    rows[row] = score;
   });
   double sum = 0;
   for (const double row : rows) sum += row;
@@ -71,7 +91,7 @@ Openness look_around(const World& world, Vec3f eye) {
     // A spherical Fibonacci lattice.
     const double z = 1 - (2 * i + 1.0) / count, phi = i * 2.399963229728653, r = std::sqrt(1 - z * z);
     const Hit hit = world.tracer().closest(eye, to_float({r * std::cos(phi), r * std::sin(phi), z}));
-    distances[static_cast<std::size_t>(i)] = std::min(hit.t, length(world.box().size()));
+    distances[i] = std::min(hit.t, length(world.box().size()));
     if (z > 0.2) {
       ++upper;
       blocked += hit ? 1 : 0;
@@ -80,11 +100,9 @@ Openness look_around(const World& world, Vec3f eye) {
   std::sort(distances.begin(), distances.end());
   open.near = distances[count / 16];
   open.room = distances[count / 4];
-  open.roofed = static_cast<double>(blocked) / upper;
+  open.roofed = 1.0 * blocked / upper;
   return open;
 }
-
-constexpr double inside_fov = 1.2;
 
 struct Outlook {
   Vec3f direction;
@@ -97,7 +115,7 @@ Outlook best_direction(const World& world, Vec3f eye, float room) {
   std::array<double, headings> scores{};
   const auto direction = [&](int heading) {
     const double a = heading * 2 * pi / headings;
-    return to_float(normalized(Vec3d{std::sin(a), std::cos(a), -0.12}));
+    return to_float(normalized(Vec3d{std::sin(a), std::cos(a), look_down}));
   };
   parallel_for(headings, [&](std::int64_t i) {
     View view;
@@ -113,17 +131,16 @@ Outlook best_direction(const World& world, Vec3f eye, float room) {
     float ahead = 0;
     for (int y = 0; y < view.height; ++y)
       for (int x = 0; x < view.width; ++x) {
-        const Hit hit = world.tracer().closest(
-            eye, view.direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f));
+        const Hit hit = world.tracer().closest(eye, view.through(x, y));
         // Daylight at the end is worth no more than a wall at that distance.
-        depths.push_back(hit ? std::min(hit.t, 12 * room) : room);
+        depths.push_back(hit ? std::min(hit.t, longest_view * room) : room);
         if (x >= 14 && x < 18 && y >= 7 && y < 11) ahead += depths.back();
       }
     std::sort(depths.begin(), depths.end());
     const auto at = [&](double share) {
       return depths[static_cast<std::size_t>(share * static_cast<double>(depths.size()))];
     };
-    scores[static_cast<std::size_t>(i)] = at(0.1) + 0.5 * at(0.5) + 2.0 * ahead / 16;
+    scores[i] = at(near_quantile) + median_worth * at(0.5) + ahead_worth * ahead / 16;
   });
   const auto best = std::max_element(scores.begin(), scores.end());
   return {direction(static_cast<int>(best - scores.begin())), *best};
@@ -131,13 +148,14 @@ Outlook best_direction(const World& world, Vec3f eye, float room) {
 
 /// A place at eye height above a floor under the widest roof.
 std::optional<Vec3f> find_cave(const World& world, std::optional<float> sea) {
-  const auto triangles = static_cast<std::uint64_t>(world.mesh().triangles.size());
+  const std::size_t triangles = world.mesh().triangles.size();
   constexpr std::int64_t tries = 20000;
+  constexpr std::uint64_t place_seed = 17;
   std::vector<double> scores(tries, 0);
   std::vector<Vec3f> eyes(tries);
   const float reach = length(world.box().size());
   parallel_for(tries, [&](std::int64_t i) {
-    Random random(17, static_cast<std::uint64_t>(i));
+    Random random(place_seed, i);
     const auto triangle = static_cast<std::uint32_t>(random.below(triangles));
     const Vec3f n = world.face_normal(triangle), p = world.center(triangle);
     if (n.z < 0.5f || (sea && p.z < *sea)) return;
@@ -145,11 +163,11 @@ std::optional<Vec3f> find_cave(const World& world, std::optional<float> sea) {
     const Hit roof = world.tracer().closest(from, {0, 0, 1}, reach);
     // A roof seen from behind is the mesh's own underside: the floor is outside of what is solid.
     if (!roof || roof.face.z > 0) return;
-    const Vec3f eye = from + Vec3f{0, 0, 1} * std::min(0.45f * roof.t, 4 * world.spacing() + 1.7f);
+    const Vec3f eye = from + Vec3f{0, 0, 1} * std::min(eye_share * roof.t, 4 * world.spacing() + eye_height);
     const Openness open = look_around(world, eye);
-    if (open.roofed < 0.9) return;
-    eyes[static_cast<std::size_t>(i)] = eye;
-    scores[static_cast<std::size_t>(i)] = open.room * std::min(1.0f, 3 * open.near / open.room);
+    if (open.roofed < roofed_least) return;
+    eyes[i] = eye;
+    scores[i] = open.room * std::min(1.0f, 3 * open.near / open.room);
   });
   // Of the roomiest places the one with the best outlook.
   std::vector<std::size_t> order(tries);
@@ -161,7 +179,7 @@ std::optional<Vec3f> find_cave(const World& world, std::optional<float> sea) {
   std::optional<Vec3f> best;
   double best_score = 0;
   for (std::ptrdiff_t i = 0; i < finalists; ++i) {
-    const std::size_t place = order[static_cast<std::size_t>(i)];
+    const std::size_t place = order[i];
     if (scores[place] <= 0) break;
     const double score = best_direction(world, eyes[place], look_around(world, eyes[place]).room).score;
     if (score <= best_score) continue;
@@ -180,12 +198,12 @@ template <class Measure>
 std::array<double, 4> greatest(const World& world, std::optional<float> sea, Measure&& measure) {
   const std::vector<Vec3f>& positions = world.mesh().positions;
   constexpr std::int64_t grain = 1 << 16;
-  const auto count = static_cast<std::int64_t>(positions.size());
+  const auto count = std::ssize(positions);
   constexpr std::array<double, 4> least{-1e300, -1e300, -1e300, -1e300};
-  std::vector<std::array<double, 4>> blocks(static_cast<std::size_t>((count + grain - 1) / grain), least);
+  std::vector<std::array<double, 4>> blocks((count + grain - 1) / grain, least);
   parallel_blocks(count, grain, [&](std::int64_t begin, std::int64_t end) {
-    std::array<double, 4>& block = blocks[static_cast<std::size_t>(begin / grain)];
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+    std::array<double, 4>& block = blocks[begin / grain];
+    for (std::int64_t i = begin; i < end; ++i) {
       if (sea && positions[i].z < *sea) continue;
       const std::array<double, 4> m = measure(to_double(positions[i]));
       for (std::size_t k = 0; k < 4; ++k) block[k] = std::max(block[k], m[k]);
@@ -220,7 +238,7 @@ Camera fit(const World& world, double azimuth, double elevation, double fov, dou
   return camera;
 }
 
-Camera centered(const World& world, Camera camera, double aspect, std::optional<float> sea) {
+Camera center(const World& world, Camera camera, double aspect, std::optional<float> sea) {
   if (sea && world.box().hi.z <= *sea) sea = std::nullopt;
   const Vec3d forward = normalized(camera.target - camera.eye);
   const Vec3d right = normalized(cross(forward, Vec3d{0, 0, 1})), up = cross(right, forward);
@@ -250,7 +268,7 @@ Camera centered(const World& world, Camera camera, double aspect, std::optional<
 }
 
 Camera best_outside(const World& world, const RenderSettings& settings, std::optional<float> sea) {
-  const double aspect = static_cast<double>(settings.width) / settings.height;
+  const double aspect = 1.0 * settings.width / settings.height;
   const double fov = Camera{}.fov;
   std::vector<double> azimuths, elevations;
   if (settings.azimuth)
@@ -260,20 +278,19 @@ Camera best_outside(const World& world, const RenderSettings& settings, std::opt
   if (settings.elevation)
     elevations = {*settings.elevation};
   else
-    elevations = {0.27, 0.36, 0.50};
+    elevations.assign(std::begin(elevations_tried), std::end(elevations_tried));
   Camera best;
   double best_score = -1e300;
   for (const double elevation : elevations)
     for (const double azimuth : azimuths) {
       const Camera camera = fit(world, azimuth, elevation, fov, aspect, sea);
-      if (azimuths.size() * elevations.size() == 1) return centered(world, camera, aspect, sea);
-      // From high up more ground is seen, but undercuts less; it must be worth it.
-      const double score = interest(world, camera, aspect, sea) * (elevation > 0.4 ? 0.85 : 1.0);
+      if (azimuths.size() * elevations.size() == 1) return center(world, camera, aspect, sea);
+      const double score = interest(world, camera, aspect, sea) * (elevation > high_from ? high_worth : 1.0);
       if (score <= best_score) continue;
       best_score = score;
       best = camera;
     }
-  return centered(world, best, aspect, sea);
+  return center(world, best, aspect, sea);
 }
 
 Camera best_inside(const World& world, std::optional<Vec3f> eye, std::optional<float> sea) {

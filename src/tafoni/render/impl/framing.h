@@ -15,7 +15,7 @@ Camera fit(const World& world, double azimuth, double elevation, double fov, dou
 
 /// The same camera moved sideways and up, without leaving what fit() allows, until opposite margins are
 /// alike.
-Camera centered(const World& world, Camera camera, double aspect, std::optional<float> sea);
+Camera center(const World& world, Camera camera, double aspect, std::optional<float> sea);
 
 /// The three-quarter view that shows most; see Scene::frame.
 Camera best_outside(const World& world, const RenderSettings& settings, std::optional<float> sea);

@@ -1,3 +1,6 @@
+// The light along one ray: sun, sky and lamp on what it meets, one bounce of them, the sea's surface with
+// what it mirrors and what lies below, and the backdrop with the mesh's shadow.
+
 #include "tafoni/render/impl/integrator.h"
 
 #include "tafoni/math/noise.h"
@@ -5,17 +8,42 @@
 namespace tafoni::render::impl {
 namespace {
 
+// Water, chosen by eye.
+constexpr float wave_steepness = 0.03f;  // a light breeze
+constexpr float wave_pixels = 12;  // waves of this many pixels look like water at any scale and never alias
+constexpr float deep_mirror = 0.15f;  // share of the sky that the sea around passes on to rock
+// Times as much water seems to lie over the floor beyond the edge of the data, by the distance d from a line
+// a little inside of it, in sizes of the mesh: 1 + a d + b d^2. A few sizes out no floor is seen.
+constexpr float edge_inside = 0.06f, deepen_linear = 25, deepen_square = 150;
+
+// Roughness finer than the mesh.
+constexpr float coarsest = 2.5f;  // wavelengths in spacings: just below what vertices hold
+constexpr float octave_step = 0.47f, octave_share = 0.87f;
+constexpr int octaves = 12;                            // down to what a pixel shows
+constexpr float tint = 0.18f, tilt_strength = 0.055f;  // seen, but changes no outline
+
+// The lamp of cave pictures.
+constexpr Vec3f lamp_light{2.15f, 1.9f, 1.6f};     // warm
+constexpr Vec3f cave_fill{0.075f, 0.08f, 0.092f};  // a faint cool light, so that no wall is black
+constexpr float fill_reach = 0.4f;  // of the lamp's reach: half of the fill is there at this distance
+constexpr float lamp_floor = 0.3f, lamp_power = 1.6f;  // gentler than the inverse square, see lamp_on()
+
+// The mesh's shadow on the backdrop.
+constexpr float shadow_strength = 0.85f;
+constexpr float shadow_full = 1.0f, shadow_ends = 2.2f;  // half sizes of the mesh from its middle
+
 /// The slope of small waves: noise of the two wavelengths, powers of two, that are nearest to `wavelength`.
 Vec3f wave_normal(Vec3f p, float wavelength) {
   const float level = std::log2(wavelength), whole = std::floor(level), part = level - whole;
-  constexpr float step = 0.15f, steepness = 0.03f;
+  constexpr float step = 0.15f;  // wavelengths
   Vec3f slope;
   for (const float k : {0.0f, 1.0f}) {
     const double scale = std::exp2(-(whole + k));
     const double x = p.x * scale, y = p.y * scale;
     const auto height = [](double u, double v) { return simplex({u, v * 1.6, 0.5}, 99); };
     const float here = height(x, y), share = k > 0 ? part : 1 - part;
-    slope += Vec3f{here - height(x + step, y), here - height(x, y + step), 0} * (share * steepness / step);
+    slope +=
+        Vec3f{here - height(x + step, y), here - height(x, y + step), 0} * (share * wave_steepness / step);
   }
   return normalized(Vec3f{slope.x, slope.y, 1});
 }
@@ -31,16 +59,16 @@ void roughen(Surface& s, float spacing, float pixel) {
     const float n = smoothly(p, scale), off = 2 * n - 1;
     return 0.5f * (n + std::sqrt(off * off + 0.01f));
   };
-  float wavelength = 2.5f * spacing, share = 1;
+  float wavelength = coarsest * spacing, share = 1;
   // Some places are rougher than others.
   const float rough = 0.4f + 1.2f * smoothly(s.position, 0.11 / wavelength);
-  for (int octave = 0; octave < 12; ++octave, wavelength *= 0.47f, share *= 0.87f) {
-    const float shown = share * rough * smooth(2.0f, 5.0f, wavelength / pixel);
+  for (int octave = 0; octave < octaves; ++octave, wavelength *= octave_step, share *= octave_share) {
+    const float shown = share * rough * smoothstep(2.0f, 5.0f, wavelength / pixel);
     if (shown <= 0) return;
     const double scale = 1 / wavelength;
     const float here = noise(s.position, scale), step = 0.1f * wavelength;
-    s.albedo = s.albedo * (1 + 0.18f * shown * (here - 0.45f));
-    const float tilt = 0.055f * shown / 0.1f;
+    s.albedo = s.albedo * (1 + tint * shown * (here - 0.45f));
+    const float tilt = tilt_strength * shown / 0.1f;
     const Vec3f slope{noise(s.position + Vec3f{step, 0, 0}, scale) - here,
                       noise(s.position + Vec3f{0, step, 0}, scale) - here,
                       noise(s.position + Vec3f{0, 0, step}, scale) - here};
@@ -58,7 +86,7 @@ Vec3f Integrator::under_sea(Vec3f light, Vec3f position) const {
 Vec3f Integrator::beyond(Vec3f direction) const {
   if (light_.lamp && direction.z < 0) return {};
   if (!light_.sea || direction.z >= 0) return light_.sky(direction);
-  return mix(Light::water * 2.0f, light_.sky({direction.x, direction.y, -direction.z}), 0.15f);
+  return mix(Light::water * 2.0f, light_.sky({direction.x, direction.y, -direction.z}), deep_mirror);
 }
 
 Vec3f Integrator::sun_on(const Surface& s, Point2 random) const {
@@ -80,10 +108,10 @@ Vec3f Integrator::lamp_on(const Surface& s, Point2 random) const {
   if (world_.tracer().blocked(s.start, d, distance * 0.999f)) return {};
   // Gentler than the inverse square, or near walls would burn out before far ones are seen.
   const float near = distance / lamp.reach;
-  return Vec3f{2.15f, 1.9f, 1.6f} * (facing / (0.3f + std::pow(near, 1.6f)));
+  return lamp_light * (facing / (lamp_floor + std::pow(near, lamp_power)));
 }
 
-Vec3f Integrator::bounced(const Hit& hit, Vec3f from, Vec3f direction, const Sampler& sampler) const {
+Vec3f Integrator::bounce(const Hit& hit, Vec3f from, Vec3f direction, const Sampler& sampler) const {
   const Surface s = world_.surface(hit, from, direction, colors_);
   // In a cave the lamp is what walls pass on; daylight that comes round two corners is left out.
   if (light_.lamp) return times(s.albedo, lamp_on(s, sampler.get(Stream::bounce_lamp)));
@@ -97,13 +125,13 @@ Vec3f Integrator::sky_on(const Surface& s, const Sampler& sampler) const {
   const Vec3f d = cosine_direction(s.normal, sampler.get(Stream::sky));
   const Hit hit = world_.tracer().closest(s.start, d);
   if (!hit) return under_sea(beyond(d), s.position);
-  Vec3f light = bounced(hit, s.start, d, sampler);
+  Vec3f light = bounce(hit, s.start, d, sampler);
   // A faint fill that open space has more of than crevices, so that no wall of a cave is black.
-  if (light_.lamp) light += Vec3f{0.075f, 0.08f, 0.092f} * (hit.t / (hit.t + 0.4f * light_.lamp->reach));
+  if (light_.lamp) light += cave_fill * (hit.t / (hit.t + fill_reach * light_.lamp->reach));
   return light;
 }
 
-Integrator::Lit Integrator::lit(const Surface& s, const Sampler& sampler) const {
+Integrator::Lit Integrator::light_on(const Surface& s, const Sampler& sampler) const {
   Lit lit;
   lit.direct = sun_on(s, sampler.get(Stream::sun));
   if (light_.lamp) lit.direct += lamp_on(s, sampler.get(Stream::lamp));
@@ -115,7 +143,7 @@ Sample Integrator::solid(Vec3f from, Vec3f direction, const Hit& hit, float foot
                          const Sampler& sampler) const {
   Surface s = world_.surface(hit, from, direction, colors_);
   roughen(s, world_.spacing(), footprint * hit.t);
-  const Lit light = lit(s, sampler);
+  const Lit light = light_on(s, sampler);
   return {times(s.albedo, light.direct + light.indirect), light.indirect, s.albedo, s.normal, hit.t};
 }
 
@@ -125,8 +153,8 @@ float Integrator::deepening(Vec3f p) const {
   const float size = length(box.size());
   const float x = std::max(box.lo.x - p.x, p.x - box.hi.x), y = std::max(box.lo.y - p.y, p.y - box.hi.y);
   const float outside = x > 0 && y > 0 ? std::sqrt(x * x + y * y) : std::max(x, y);
-  const float beyond = std::max(0.0f, outside + 0.06f * size) / size;
-  return 1 + 25 * beyond + 150 * beyond * beyond;
+  const float beyond = std::max(0.0f, outside + edge_inside * size) / size;
+  return 1 + deepen_linear * beyond + deepen_square * beyond * beyond;
 }
 
 Sample Integrator::floor_beyond(Vec3f from, Vec3f direction, const Sampler& sampler) const {
@@ -156,12 +184,11 @@ Sample Integrator::backdrop(Vec3f from, Vec3f direction, const Sampler& sampler)
   s.normal = s.face = {0, 0, 1};
   const Vec3f aside = s.position - box.center();
   const float size = 0.5f * length(box.size());
-  const float kept = 1 - smooth(1.0f, 2.2f, length(Vec3f{aside.x, aside.y, 0}) / size);
+  const float kept = 1 - smoothstep(shadow_full, shadow_ends, length(Vec3f{aside.x, aside.y, 0}) / size);
   if (kept <= 0) return {open, {}, {}, {}, far_away};
   // By brightness alone: the sky would make the shadow on a white floor blue.
-  constexpr float strength = 0.85f;
-  const Vec3f share = open * (strength * kept / luminance(light_.open_ground));
-  const Lit light = lit(s, sampler);
+  const Vec3f share = open * (shadow_strength * kept / luminance(light_.open_ground));
+  const Lit light = light_on(s, sampler);
   const float lost = luminance(light_.open_ground) - luminance(light.direct + light.indirect);
   const Vec3f grey = Vec3f{1, 1, 1} * luminance(light.indirect);
   const Sample sample{open - share * lost, grey, share, s.normal, drop / -direction.z};
@@ -172,8 +199,7 @@ Sample Integrator::water(Vec3f from, Vec3f direction, float t_sea, const Hit& hi
                          const Sampler& sampler) const {
   const Vec3f p = from + direction * t_sea;
   const float slant = std::max(-direction.z, 0.02f);
-  // Waves a dozen pixels long look like water at any scale and never alias.
-  const Vec3f n = wave_normal(p, 12 * footprint * t_sea / std::sqrt(slant));
+  const Vec3f n = wave_normal(p, wave_pixels * footprint * t_sea / std::sqrt(slant));
   const float facing = std::clamp(-dot(n, direction), 0.02f, 1.0f);
   const float mirror = 0.02f + 0.98f * std::pow(1 - facing, 5.0f);
   Vec3f r = direction + n * (2 * facing);

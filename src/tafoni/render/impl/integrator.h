@@ -29,12 +29,12 @@ class Integrator {
     Vec3f direct;  ///< before reflectance
     Vec3f indirect;
   };
-  Lit lit(const Surface& surface, const Sampler& sampler) const;
+  Lit light_on(const Surface& surface, const Sampler& sampler) const;
   Vec3f sun_on(const Surface& surface, Point2 random) const;
   Vec3f lamp_on(const Surface& surface, Point2 random) const;
   Vec3f sky_on(const Surface& surface, const Sampler& sampler) const;
   /// Reflected light that a bounce picks up, with its own sun and sky rays.
-  Vec3f bounced(const Hit& hit, Vec3f from, Vec3f direction, const Sampler& sampler) const;
+  Vec3f bounce(const Hit& hit, Vec3f from, Vec3f direction, const Sampler& sampler) const;
   Vec3f beyond(Vec3f direction) const;
   Vec3f under_sea(Vec3f light, Vec3f position) const;
   Sample water(Vec3f from, Vec3f direction, float t_sea, const Hit& hit, float footprint,

@@ -1,3 +1,5 @@
+// Embree: the mesh's triangles as one geometry, asked one ray at a time.
+
 #include "tafoni/render/impl/tracer.h"
 
 #include <cstring>

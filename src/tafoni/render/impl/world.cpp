@@ -1,3 +1,6 @@
+// The mesh made ready to be seen: its box, spacing, normals and colours, and the point, normal and start
+// of further rays where a ray meets it.
+
 #include "tafoni/render/impl/world.h"
 
 #include <algorithm>
@@ -5,12 +8,12 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
-#include "tafoni/render/palette.h"
+#include "tafoni/render/inner/palette.h"
 
 namespace tafoni::render::impl {
 namespace {
 
-const mesh::Mesh& not_empty(const mesh::Mesh& mesh) {
+const mesh::Mesh& require_triangles(const mesh::Mesh& mesh) {
   if (mesh.triangles.empty())
     fail(ErrorKind::input, "The mesh has no triangles, so there is nothing to draw.");
   return mesh;
@@ -28,8 +31,7 @@ float median_edge(const mesh::Mesh& mesh) {
   const std::size_t step = mesh.triangles.size() / 1000 + 1;
   for (std::size_t t = 0; t < mesh.triangles.size(); t += step)
     lengths.push_back(length(mesh.positions[mesh.triangles[t][1]] - mesh.positions[mesh.triangles[t][0]]));
-  std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2),
-                   lengths.end());
+  std::nth_element(lengths.begin(), lengths.begin() + lengths.size() / 2, lengths.end());
   return lengths[lengths.size() / 2];
 }
 
@@ -48,7 +50,7 @@ std::vector<Vec3f> vertex_normals(const mesh::Mesh& mesh) {
 }  // namespace
 
 World::World(const mesh::Mesh& mesh, Progress& progress)
-    : mesh_(not_empty(mesh)),
+    : mesh_(require_triangles(mesh)),
       box_(box_of(mesh)),
       spacing_(median_edge(mesh)),
       own_normals_(mesh.normals.empty() ? vertex_normals(mesh) : std::vector<Vec3f>()),
@@ -65,12 +67,12 @@ Colors World::colors(std::optional<float> sea, Progress& progress) const {
   if (!mesh_.colors.empty()) return {};
   const std::vector<Vec3f>& normals = own_normals_.empty() ? mesh_.normals : own_normals_;
   Colors colors(mesh_.positions.size());
-  const auto n = static_cast<std::int64_t>(colors.size());
+  const auto n = std::ssize(colors);
   parallel_blocks(n, 4096, [&](std::int64_t begin, std::int64_t end) {
     progress.check();
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+    for (std::int64_t i = begin; i < end; ++i) {
       const Vec3f p = mesh_.positions[i];
-      render::SurfacePoint point;
+      render::GroundLook point;
       point.position = to_double(p) + mesh_.origin;
       point.normal = normals[i];
       if (sea) point.height_above_sea = p.z - *sea;
@@ -92,7 +94,7 @@ std::optional<float> World::floor_below(float sea) const {
     if (!tracer_.blocked(c + Vec3f{0, 0, offset_}, {0, 0, 1})) heights.push_back(c.z);
   }
   if (heights.size() < 100) return std::nullopt;
-  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+  const auto middle = heights.begin() + heights.size() / 2;
   std::nth_element(heights.begin(), middle, heights.end());
   return *middle;
 }

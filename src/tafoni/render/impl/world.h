@@ -32,7 +32,7 @@ class World {
   /// How far off the surface a ray starts, so that it does not meet where it comes from.
   float offset() const { return offset_; }
 
-  /// The mesh's own colours, or those that mesh/palette.h gives for slope and height above `sea` (local z).
+  /// The mesh's own colours, or those that inner/palette.h gives for slope and height above `sea` (local z).
   Colors colors(std::optional<float> sea, Progress& progress) const;
   /// The usual height of ground below `sea` that is seen from above; nothing where there is too little.
   std::optional<float> floor_below(float sea) const;

@@ -1,4 +1,4 @@
-#include "tafoni/render/palette.h"
+#include "tafoni/render/inner/palette.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 namespace tafoni::render {
 namespace {
 
-SurfacePoint random_point(Random& random) {
-  SurfacePoint s;
+GroundLook random_point(Random& random) {
+  GroundLook s;
   s.position = {random.uniform(-500, 500), random.uniform(-500, 500), random.uniform(-100, 300)};
   s.normal = to_float(normalized(Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}));
   s.resistance = static_cast<float>(random.uniform());
@@ -19,7 +19,7 @@ SurfacePoint random_point(Random& random) {
 }
 
 /// The mean over many places, so that the texture does not matter.
-Vec3f mean(SurfacePoint s) {
+Vec3f mean(GroundLook s) {
   Random random(3);
   Vec3f sum;
   for (int i = 0; i < 400; ++i) {
@@ -66,8 +66,8 @@ TEST(Palette, TheShoreIsDarkAndFlatsAreSand) {
 }
 
 TEST(Palette, CoarseMeshesGetNoTextureThatTheyCannotHold) {
-  SurfacePoint a{.position = {10, 20, 30}, .normal = {1, 0, 0}, .spacing = 1000};
-  SurfacePoint b = a;
+  GroundLook a{.position = {10, 20, 30}, .normal = {1, 0, 0}, .spacing = 1000};
+  GroundLook b = a;
   b.position = {-777, 432, 99};
   EXPECT_EQ(rock_palette(a), rock_palette(b));
   a.spacing = b.spacing = 0.5f;

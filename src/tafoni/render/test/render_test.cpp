@@ -110,7 +110,7 @@ TEST(Render, FewSamplesLookLikeMany) {
   for (std::size_t i = 0; i < few.size(); ++i)
     squares += std::pow(brightness(few.values()[i]) - brightness(many.values()[i]), 2) / 9;
   // In 8-bit steps of a channel.
-  EXPECT_LT(std::sqrt(squares / static_cast<double>(few.size())), 5.0);
+  EXPECT_LT(std::sqrt(squares / double(few.size())), 5.0);
 }
 
 TEST(Render, WaterTintsButShowsWhatStandsInIt) {

@@ -8,6 +8,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/io/format.h"
+#include "tafoni/io/volume_file.h"
 #include "tafoni/scene/products/mesh_scene.h"
 #include "tafoni/volume/sample.h"
 

@@ -11,7 +11,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/test/test_folder.h"
-#include "tafoni/io/format.h"
+#include "tafoni/io/volume_file.h"
 #include "tafoni/runtime/test/operations.h"
 #include "tafoni/runtime/test/rocks.h"
 

@@ -7,7 +7,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/raster/resample.h"
-#include "tafoni/render/palette.h"
+#include "tafoni/render/inner/palette.h"
 #include "tafoni/scene/products/mesh_scene.h"
 #include "tafoni/surface/polygonize.h"
 

@@ -9,7 +9,7 @@
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/raster/resample.h"
-#include "tafoni/render/palette.h"
+#include "tafoni/render/inner/palette.h"
 
 namespace tafoni::scene {
 namespace {
@@ -67,7 +67,7 @@ class Roofs {
     if (std::any_of(scene.layers.begin(), scene.layers.end(), reshapes)) field_ = field::compile(scene.open);
   }
 
-  void mark(std::vector<render::SurfacePoint>& points, const std::vector<Vec3d>& local) const {
+  void mark(std::vector<render::GroundLook>& points, const std::vector<Vec3d>& local) const {
     if (!field_) return;
     constexpr double above[] = {1.5, 3, 5, 8, 13, 21};  // metres
     std::vector<Vec3d> asked;
@@ -106,10 +106,10 @@ void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress) {
                  for (std::size_t i = begin; i < end; ++i) local.push_back(to_double(mesh.positions[i]));
                  std::vector<float> resistance(local.size());
                  scene.geology->resistances(local, resistance);
-                 std::vector<render::SurfacePoint> points(local.size());
+                 std::vector<render::GroundLook> points(local.size());
                  for (std::size_t i = begin; i < end; ++i) {
                    const Vec3d at = local[i - begin];
-                   render::SurfacePoint& point = points[i - begin];
+                   render::GroundLook& point = points[i - begin];
                    point.position = at + origin;
                    point.spacing = static_cast<float>(scene.voxel);
                    if (!mesh.normals.empty()) point.normal = mesh.normals[i];

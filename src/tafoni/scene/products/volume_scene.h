@@ -2,7 +2,7 @@
 // Scenes as volumes.
 
 #include "tafoni/core/progress.h"
-#include "tafoni/io/format.h"
+#include "tafoni/io/volume_file.h"
 #include "tafoni/scene/build/build.h"
 #include "tafoni/volume/sample.h"
 

@@ -40,9 +40,9 @@ inline void read_row(const Slot& slot, int index, int n, float* out) {
   if (!chunk)
     std::fill_n(out, n, slot.value);
   else if (chunk->single)
-    std::memcpy(out, chunk->single.get() + index, static_cast<std::size_t>(n) * sizeof(float));
+    std::memcpy(out, chunk->single.get() + index, n * sizeof(float));
   else
-    from_half(chunk->half.get() + index, static_cast<std::size_t>(n), out);
+    from_half(chunk->half.get() + index, n, out);
 }
 
 /// What a row looks like once it is stored.
@@ -80,8 +80,9 @@ class ChunkEditor {
         const float* old = chunk && chunk->single ? chunk->single.get() + at : copy;
         if (old == copy) read_row(slot_, at, side, copy);
         std::memcpy(now, old, sizeof now);
-        change(Vec3i{part.lo.x, y, z}, std::span<float>(now + from, static_cast<std::size_t>(n)));
-        round_row(precision_, {now + from, static_cast<std::size_t>(n)});
+        const std::span<float> row(now + from, n);
+        change(Vec3i{part.lo.x, y, z}, row);
+        round_row(precision_, row);
         std::uint32_t differs = 0;
         for (int i = 0; i < side; ++i) differs |= bits(old[i]) ^ bits(now[i]);
         if (!differs) continue;
@@ -100,7 +101,7 @@ class ChunkEditor {
     if (chunk.single)
       std::copy_n(row, n, chunk.single.get() + at);
     else
-      to_half(row, static_cast<std::size_t>(n), chunk.half.get() + at);
+      to_half(row, n, chunk.half.get() + at);
     const int x = at % side, y = at / side % side, z = at / (side * side);
     const int block = ((z / impl::block_side) * impl::blocks_side + y / impl::block_side) * impl::blocks_side;
     for (int b = x / impl::block_side; b <= (x + n - 1) / impl::block_side; ++b)

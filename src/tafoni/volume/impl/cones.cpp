@@ -1,3 +1,6 @@
+// The least distance to a tunnel's segments, rounded cones, at the 8^3 samples of a brick, over SIMD
+// lanes; and the same at one point in double.
+
 #include "tafoni/volume/impl/cones.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -55,8 +58,9 @@ void least_of_cones(const NearCone* cones, std::size_t n, float spacing, float* 
     const Vec ux = hn::Set(f, c.ux), uy = hn::Set(f, c.uy), uz = hn::Set(f, c.uz), end = hn::Set(f, c.length);
     float* at = out;
     for (int z = 0; z < brick_side; ++z) {
-      const Vec wz = hn::Set(f, c.z + spacing * static_cast<float>(z));
-      const Vec lowest = hn::Set(f, c.ground - spacing * static_cast<float>(z));
+      const float rise = spacing * static_cast<float>(z);
+      const Vec wz = hn::Set(f, c.z + rise);
+      const Vec lowest = hn::Set(f, c.ground - rise);
       for (int k = 0; k < plane; k += lanes, at += lanes) {
         const Vec wx = hn::Add(hn::Set(f, c.x), hn::Load(f, across + k));
         const Vec wy = hn::Add(hn::Set(f, c.y), hn::Load(f, up + k));

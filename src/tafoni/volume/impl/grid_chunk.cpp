@@ -1,3 +1,6 @@
+// What a chunk of a scalar grid does when it is made, shared and edited: it is copied once another grid
+// holds it too, and each of its blocks keeps the least and the greatest of its values.
+
 #include "tafoni/volume/impl/grid_chunk.h"
 
 #include <algorithm>
@@ -58,7 +61,7 @@ GridChunk& own(Slot& slot, Precision precision) {
   return slot.chunk.mine();
 }
 
-std::unique_ptr<GridChunk> made_of(std::unique_ptr<float[]> samples, Precision precision, Vec3i extent) {
+std::unique_ptr<GridChunk> make_chunk(std::unique_ptr<float[]> samples, Precision precision, Vec3i extent) {
   // Beyond the frame, a value that is finite.
   if (extent.x < side || extent.y < side || extent.z < side)
     for (int z = 0; z < side; ++z)

@@ -65,7 +65,7 @@ struct Slot {
 /// Makes the slot's chunk a full one that no other grid shares.
 GridChunk& own(Slot& slot, Precision precision);
 /// A chunk of these samples, the ones beyond `extent` not written yet.
-std::unique_ptr<GridChunk> made_of(std::unique_ptr<float[]> samples, Precision precision, Vec3i extent);
+std::unique_ptr<GridChunk> make_chunk(std::unique_ptr<float[]> samples, Precision precision, Vec3i extent);
 /// Takes the ranges of the blocks whose bit is set anew, from the samples below `extent`, then the chunk's.
 void update_ranges(GridChunk& chunk, std::uint64_t touched, Vec3i extent);
 

@@ -41,14 +41,14 @@ class Builder {
       at_.push_back({std::llround(d.x), std::llround(d.y), std::llround(d.z)});
     }
     first_tetrahedron(extent);
-    for (int i = 0; i < static_cast<int>(points.size()); ++i) add(i);
+    for (int i = 0; i < std::ssize(points); ++i) add(i);
   }
 
   Hull hull() const {
     Hull out;
     std::set<int> used;
     for (const Face& f : faces_) used.insert(f.at.begin(), f.at.end());
-    for (int i : used) out.corners.push_back(points_[static_cast<std::size_t>(i)]);
+    for (int i : used) out.corners.push_back(points_[i]);
     // Triangles of one exact plane are one plane. Its offset holds every corner, rounding included.
     std::set<std::array<double, 3>> seen;
     for (const Face& f : faces_) {
@@ -67,7 +67,7 @@ class Builder {
     fail(ErrorKind::usage, "the points of a hull lie in a plane; give four or more that do not");
   }
 
-  Whole point(int i) const { return at_[static_cast<std::size_t>(i)]; }
+  Whole point(int i) const { return at_[i]; }
 
   WideVec normal(int a, int b, int c) const {
     return cross(wide(point(b) - point(a)), wide(point(c) - point(a)));
@@ -76,21 +76,21 @@ class Builder {
 
   void first_tetrahedron(double extent) {
     const auto furthest = [&](auto measure) {
-      std::size_t best = 0;
-      for (std::size_t i = 1; i < points_.size(); ++i)
+      int best = 0;
+      for (int i = 1; i < std::ssize(points_); ++i)
         if (measure(points_[i]) > measure(points_[best])) best = i;
       return best;
     };
     const Vec3d a = points_[0];
-    const std::size_t ib = furthest([&](Vec3d p) { return length(p - a); });
+    const int ib = furthest([&](Vec3d p) { return length(p - a); });
     const Vec3d along = normalized(points_[ib] - a);
-    const std::size_t ic = furthest([&](Vec3d p) { return length(cross(along, p - a)); });
+    const int ic = furthest([&](Vec3d p) { return length(cross(along, p - a)); });
     const Vec3d up = normalized(cross(along, points_[ic] - a));
-    const std::size_t id = furthest([&](Vec3d p) { return std::abs(dot(up, p - a)); });
+    const int id = furthest([&](Vec3d p) { return std::abs(dot(up, p - a)); });
     if (!(length(cross(along, points_[ic] - a)) > 1e-9 * extent) ||
         !(std::abs(dot(up, points_[id] - a)) > 1e-9 * extent))
       flat();
-    std::array<int, 4> t{0, static_cast<int>(ib), static_cast<int>(ic), static_cast<int>(id)};
+    std::array<int, 4> t{0, ib, ic, id};
     if (dot(normal(t[0], t[1], t[2]), wide(point(t[3]) - point(t[0]))) > 0) std::swap(t[1], t[2]);
     for (auto [i, j, k] : {std::array{t[0], t[1], t[2]}, std::array{t[0], t[3], t[1]},
                            std::array{t[1], t[3], t[2]}, std::array{t[2], t[3], t[0]}})
@@ -107,8 +107,7 @@ class Builder {
         kept.push_back(f);
         continue;
       }
-      for (int i = 0; i < 3; ++i)
-        edges.emplace(f.at[static_cast<std::size_t>(i)], f.at[static_cast<std::size_t>((i + 1) % 3)]);
+      for (int i = 0; i < 3; ++i) edges.emplace(f.at[i], f.at[(i + 1) % 3]);
     }
     if (edges.empty()) return;
     for (auto [a, b] : edges)

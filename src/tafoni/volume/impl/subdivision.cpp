@@ -1,3 +1,7 @@
+// One level of midpoint subdivision over SIMD lanes: the coarse samples that a box reads are copied into
+// a patch, continued straight beyond the border, and interpolated plane by plane, row by row, sample by
+// sample, by four points; noise is hashed from the seed, the level and the place.
+
 #include "tafoni/volume/impl/subdivision.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -124,31 +128,27 @@ class Patch {
   Patch(const Lattice& coarse, const SampleBox& box, std::vector<float>& memory) : memory_(memory) {
     lo_ = {first(box.lo.x), first(box.lo.y), first(box.lo.z)};
     size_ = {last(box.hi.x) - lo_.x + 1, last(box.hi.y) - lo_.y + 1, last(box.hi.z) - lo_.z + 1};
-    row_ = static_cast<std::size_t>(size_.x);
-    memory_.resize(row_ * static_cast<std::size_t>(size_.y * size_.z) + slack);
+    row_ = size_.x;
+    memory_.resize(row_ * (size_.y * size_.z) + slack);
     const Range ix = inside(lo_.x, size_.x, coarse.size.x), iy = inside(lo_.y, size_.y, coarse.size.y),
                 iz = inside(lo_.z, size_.z, coarse.size.z);
     for (int z = iz.from; z < iz.to; ++z) {
       for (int y = iy.from; y < iy.to; ++y) {
-        const std::size_t at =
-            (static_cast<std::size_t>(lo_.z + z) * static_cast<std::size_t>(coarse.size.y) +
-             static_cast<std::size_t>(lo_.y + y)) *
-            static_cast<std::size_t>(coarse.size.x);
+        const std::size_t at = (std::int64_t{lo_.z + z} * coarse.size.y + lo_.y + y) * coarse.size.x;
         float* out = row(y, z);
-        std::copy_n(coarse.values + at + static_cast<std::size_t>(lo_.x + ix.from), ix.to - ix.from,
-                    out + ix.from);
+        std::copy_n(coarse.values + at + lo_.x + ix.from, ix.to - ix.from, out + ix.from);
         extend(ix, size_.x, [&](int to, int near, int far) { out[to] = 2 * out[near] - out[far]; });
       }
       extend(iy, size_.y,
              [&](int to, int near, int far) { go_on(row(to, z), row(near, z), row(far, z), row_); });
     }
-    const std::size_t plane = row_ * static_cast<std::size_t>(size_.y);
+    const std::size_t plane = row_ * size_.y;
     extend(iz, size_.z,
            [&](int to, int near, int far) { go_on(row(0, to), row(0, near), row(0, far), plane); });
   }
 
   /// Counted from the first sample of the patch.
-  float* row(int y, int z) const { return memory_.data() + row_ * static_cast<std::size_t>(z * size_.y + y); }
+  float* row(int y, int z) const { return memory_.data() + row_ * (z * size_.y + y); }
   Vec3i lo() const { return lo_; }
   Vec3i size() const { return size_; }
   std::size_t row_floats() const { return row_; }
@@ -200,38 +200,32 @@ void subdivide(const Subdivision& step, const SampleBox& box, float* out, std::s
   const Patch patch(step.coarse, even, memory.patch);
   const std::size_t width = patch.row_floats();
   const Vec3i size = box.size();
-  const std::size_t skip = static_cast<std::size_t>(box.lo.x - even.lo.x);
-  memory.plane.resize(width * static_cast<std::size_t>(patch.size().y) + slack);
-  memory.row.resize(width + static_cast<std::size_t>(size.x) + 1 + 2 * slack);
+  const std::size_t skip = box.lo.x - even.lo.x;
+  memory.plane.resize(width * patch.size().y + slack);
+  memory.row.resize(width + size.x + 1 + 2 * slack);
   float* between = memory.row.data();
   float* shifted = between + width + slack;
-  FineRow fine_row{static_cast<std::uint32_t>(even.lo.x),
-                   static_cast<std::size_t>(size.x) + skip,
-                   {},
-                   step.noise,
-                   step.limit,
-                   false};
+  FineRow fine_row{static_cast<std::uint32_t>(even.lo.x), size.x + skip, {}, step.noise, step.limit, false};
   for (int k = 0; k < size.z; ++k) {
     const int z = box.lo.z + k, cz = z / 2 - patch.lo().z;
     const float* rows = patch.row(0, cz);
     if (z & 1) {
-      middle(patch.row(0, cz - 1), rows, patch.row(0, cz + 1), patch.row(0, cz + 2),
-             width * static_cast<std::size_t>(patch.size().y), memory.plane.data());
+      middle(patch.row(0, cz - 1), rows, patch.row(0, cz + 1), patch.row(0, cz + 2), width * patch.size().y,
+             memory.plane.data());
       rows = memory.plane.data();
     }
     for (int j = 0; j < size.y; ++j) {
       const int y = box.lo.y + j;
-      const float* from = rows + width * static_cast<std::size_t>(y / 2 - patch.lo().y);
+      const float* from = rows + width * (y / 2 - patch.lo().y);
       if (y & 1) {
         middle(from - width, from, from + width, from + 2 * width, width, between);
         from = between;
       }
-      const std::uint64_t key =
-          mix64(step.key ^ mix64((static_cast<std::uint64_t>(z) << 32) | static_cast<std::uint64_t>(y)));
+      const std::uint64_t key = mix64(step.key ^ mix64((std::int64_t{z} << 32) | y));
       fine_row.key[0] = static_cast<std::uint32_t>(key);
       fine_row.key[1] = static_cast<std::uint32_t>(key >> 32);
       fine_row.all_new = ((y | z) & 1) != 0;
-      float* to = out + static_cast<std::size_t>(k) * plane + static_cast<std::size_t>(j) * row;
+      float* to = out + k * plane + j * row;
       if (skip == 0) {
         fine(from, fine_row, to);
       } else {
@@ -242,7 +236,7 @@ void subdivide(const Subdivision& step, const SampleBox& box, float* out, std::s
   }
 }
 
-Interval subdivided_range(const Subdivision& step, const SampleBox& box) {
+Interval subdivision_range(const Subdivision& step, const SampleBox& box) {
   const Patch patch(step.coarse, box, scratch().patch);
   float lo = *patch.row(0, 0), hi = lo;
   for (int z = 0; z < patch.size().z; ++z)

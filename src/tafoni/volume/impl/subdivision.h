@@ -25,6 +25,6 @@ struct Subdivision {
 void subdivide(const Subdivision& step, const SampleBox& box, float* out, std::size_t row, std::size_t plane);
 
 /// Encloses what subdivide() writes, before limiting.
-Interval subdivided_range(const Subdivision& step, const SampleBox& box);
+Interval subdivision_range(const Subdivision& step, const SampleBox& box);
 
 }  // namespace tafoni::volume::impl

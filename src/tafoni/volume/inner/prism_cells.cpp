@@ -1,3 +1,7 @@
+// How columns connect across one cell of a prism-field: intervals that overlap along the cell's sides are
+// joined into pieces; air within a piece, which ends beside a column, splits it into slabs; see the
+// header.
+
 #include "tafoni/volume/inner/prism_cells.h"
 
 #include <algorithm>
@@ -33,12 +37,12 @@ void PrismCells::seams_of(int i, int j, const Matter& matter) {
     const std::size_t begin = n;
     for (; n < air_.size() && air_[n].first < seam.hi; ++n) {
       seam.hi = std::max(seam.hi, air_[n].second);
-      sum += 0.5 * (static_cast<double>(air_[n].first) + static_cast<double>(air_[n].second));
+      sum += 0.5 * (double{air_[n].first} + air_[n].second);
     }
     const float z = static_cast<float>(sum / static_cast<double>(n - begin));
     if (!(z > lowest && z < matter.top)) continue;  // rounded onto its neighbour
     lowest = z;
-    seam.place = static_cast<std::int32_t>(levels_.size());
+    seam.place = end_of(levels_);
     levels_.push_back(z);
     seams_.push_back(seam);
   }
@@ -46,15 +50,15 @@ void PrismCells::seams_of(int i, int j, const Matter& matter) {
 
 void PrismCells::column(int i, int j) {
   const auto all = block_->at(i, j);
-  starts_.push_back(static_cast<std::int32_t>(levels_.size()));
-  seam_starts_.push_back(static_cast<std::int32_t>(seams_.size()));
-  const std::size_t base = block_->column(i, j) * static_cast<std::size_t>(block_->stride);
+  starts_.push_back(end_of(levels_));
+  seam_starts_.push_back(end_of(seams_));
+  const std::size_t base = block_->column(i, j) * block_->stride;
   for (std::size_t n = 0; n < all.size(); ++n) {
     Range& range = ranges_[base + n];
-    range.first = static_cast<std::int32_t>(levels_.size());
+    range.first = end_of(levels_);
     levels_.push_back(all[n].bottom);
     if (near_air_[block_->column(i, j)]) seams_of(i, j, all[n]);
-    range.last = static_cast<std::int32_t>(levels_.size());
+    range.last = end_of(levels_);
     levels_.push_back(all[n].top);
   }
 }
@@ -79,7 +83,7 @@ void PrismCells::build(const ColumnBlock& block) {
   if (ranges_.size() < block.intervals.size()) ranges_.resize(block.intervals.size());
   for (int j = block.box.j0; j <= block.box.j1; ++j)
     for (int i = block.box.i0; i <= block.box.i1; ++i) column(i, j);
-  seam_starts_.push_back(static_cast<std::int32_t>(seams_.size()));
+  seam_starts_.push_back(end_of(seams_));
 }
 
 /// The frequent case: one interval a corner, all overlapping.
@@ -109,8 +113,8 @@ std::span<const PrismCells::Slab> PrismCells::slabs(int i, int j, DeadPoints dea
     return slabs_;
   }
   pieces(columns);
-  for (std::size_t n = 0; n < nodes_.size(); ++n)
-    if (nodes_[n].root == static_cast<std::int32_t>(n)) emit(columns, nodes_[n].root, dead);
+  for (std::int32_t n = 0; n < std::ssize(nodes_); ++n)
+    if (nodes_[n].root == n) emit(columns, n, dead);
   return slabs_;
 }
 
@@ -118,27 +122,25 @@ std::span<const PrismCells::Slab> PrismCells::slabs(int i, int j, DeadPoints dea
 void PrismCells::pieces(const std::array<std::size_t, 4>& columns) {
   nodes_.clear();
   for (int k = 0; k < 4; ++k) {
-    node_starts_[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(nodes_.size());
-    for (int n = 0; n < block_->count[columns[static_cast<std::size_t>(k)]]; ++n)
-      nodes_.push_back({k, n, static_cast<std::int32_t>(nodes_.size())});
+    node_starts_[k] = end_of(nodes_);
+    for (int n = 0; n < block_->count[columns[k]]; ++n) nodes_.push_back({k, n, end_of(nodes_)});
   }
-  node_starts_[4] = static_cast<std::int32_t>(nodes_.size());
+  node_starts_[4] = end_of(nodes_);
   const auto root = [&](std::int32_t n) {
-    while (nodes_[static_cast<std::size_t>(n)].root != n) n = nodes_[static_cast<std::size_t>(n)].root;
+    while (nodes_[n].root != n) n = nodes_[n].root;
     return n;
   };
   for (std::size_t k = 0; k < 4; ++k) {
     const std::size_t l = (k + 1) % 4;
     for (std::int32_t a = node_starts_[k]; a < node_starts_[k + 1]; ++a)
       for (std::int32_t b = node_starts_[l]; b < node_starts_[l + 1]; ++b) {
-        if (!overlap(matter(columns[k], nodes_[static_cast<std::size_t>(a)].interval),
-                     matter(columns[l], nodes_[static_cast<std::size_t>(b)].interval)))
+        if (!overlap(matter(columns[k], nodes_[a].interval), matter(columns[l], nodes_[b].interval)))
           continue;
         const std::int32_t x = root(a), y = root(b);
-        nodes_[static_cast<std::size_t>(std::max(x, y))].root = std::min(x, y);
+        nodes_[std::max(x, y)].root = std::min(x, y);
       }
   }
-  for (std::size_t n = 0; n < nodes_.size(); ++n) nodes_[n].root = root(static_cast<std::int32_t>(n));
+  for (std::int32_t n = 0; n < std::ssize(nodes_); ++n) nodes_[n].root = root(n);
 }
 
 void PrismCells::emit(const std::array<std::size_t, 4>& columns, std::int32_t root, DeadPoints dead) {
@@ -148,7 +150,7 @@ void PrismCells::emit(const std::array<std::size_t, 4>& columns, std::int32_t ro
   std::array<int, 4> last{-1, -1, -1, -1};
   for (const Node& node : nodes_) {
     if (node.root != root) continue;
-    const std::size_t k = static_cast<std::size_t>(node.corner);
+    const int k = node.corner;
     const Range here = range(columns[k], node.interval);
     if (last[k] < 0) {
       whole.at[k].first = here.first;
@@ -158,7 +160,7 @@ void PrismCells::emit(const std::array<std::size_t, 4>& columns, std::int32_t ro
                        matter(columns[k], node.interval).bottom,
                        node.corner,
                        {whole.at[k].last, here.first},
-                       static_cast<int>(gaps_.size())});
+                       end_of(gaps_)});
     }
     whole.at[k].last = here.last;
     last[k] = node.interval;
@@ -174,7 +176,7 @@ void PrismCells::emit(const std::array<std::size_t, 4>& columns, std::int32_t ro
 PrismCells::Range PrismCells::cut(std::size_t column, int interval, const Gap& gap) const {
   const Range own = range(column, interval);
   for (std::int32_t s = seam_starts_[column]; s < seam_starts_[column + 1]; ++s) {
-    const Seam& seam = seams_[static_cast<std::size_t>(s)];
+    const Seam& seam = seams_[s];
     if (seam.place > own.first && seam.place < own.last && seam.lo < gap.hi && gap.lo < seam.hi)
       return {seam.place, seam.place};
   }
@@ -199,9 +201,7 @@ void PrismCells::split(const std::array<std::size_t, 4>& columns, std::int32_t r
   for (std::size_t k = 0; k < 4; ++k) floor[k] = whole.at[k].first;
   for (std::size_t n = 0; n < gaps_.size(); ++n) {
     const int set = gaps_[n].set;
-    if (std::any_of(gaps_.begin(), gaps_.begin() + static_cast<std::ptrdiff_t>(n),
-                    [&](const Gap& g) { return g.set == set; }))
-      continue;
+    if (std::any_of(gaps_.begin(), gaps_.begin() + n, [&](const Gap& g) { return g.set == set; })) continue;
     Slab lower = whole;
     std::array<std::int32_t, 4> next = floor;
     for (std::size_t k = 0; k < 4; ++k) {

@@ -24,6 +24,12 @@ namespace tafoni::volume {
 /// The corners of cell (i, j) in order: columns (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1).
 inline constexpr int cell_corners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
 
+/// The place that the next item of a list gets; lists of a cell's parts are far shorter than 2^31.
+template <class T>
+std::int32_t end_of(const std::vector<T>& items) {
+  return static_cast<std::int32_t>(items.size());
+}
+
 class PrismCells {
  public:
   /// Levels are elevations of one column, bottom first: ends of its matter and seams.
@@ -46,7 +52,7 @@ class PrismCells {
   std::span<const Slab> slabs(int i, int j, DeadPoints dead);
 
   std::span<const float> levels() const { return levels_; }
-  float level(int place) const { return levels_[static_cast<std::size_t>(place)]; }
+  float level(int place) const { return levels_[place]; }
   /// The place of column (i, j)'s first level.
   std::int32_t first_level(int i, int j) const { return starts_[block_->column(i, j)]; }
 
@@ -74,11 +80,9 @@ class PrismCells {
   void split(const std::array<std::size_t, 4>& columns, std::int32_t root, Slab whole);
   Range cut(std::size_t column, int interval, const Gap& gap) const;
   const Matter& matter(std::size_t column, int n) const {
-    return block_->intervals[column * static_cast<std::size_t>(block_->stride) + static_cast<std::size_t>(n)];
+    return block_->intervals[column * block_->stride + n];
   }
-  Range range(std::size_t column, int n) const {
-    return ranges_[column * static_cast<std::size_t>(block_->stride) + static_cast<std::size_t>(n)];
-  }
+  Range range(std::size_t column, int n) const { return ranges_[column * block_->stride + n]; }
 
   const ColumnBlock* block_ = nullptr;
   std::vector<float> levels_;

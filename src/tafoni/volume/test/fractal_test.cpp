@@ -36,16 +36,13 @@ FractalSettings rough(Vec3i cells, int levels, double scale = 0.7) {
 
 std::vector<float> all(const Fractal& f) {
   const Vec3i n = f.settings().size();
-  std::vector<float> out(static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) *
-                         static_cast<std::size_t>(n.z));
+  std::vector<float> out(std::int64_t{n.x} * n.y * n.z);
   f.read({{0, 0, 0}, {n.x - 1, n.y - 1, n.z - 1}}, out.data());
   return out;
 }
 
 std::size_t place(Vec3i n, int x, int y, int z) {
-  return (static_cast<std::size_t>(z) * static_cast<std::size_t>(n.y) + static_cast<std::size_t>(y)) *
-             static_cast<std::size_t>(n.x) +
-         static_cast<std::size_t>(x);
+  return (std::int64_t{z} * n.y + y) * n.x + x;
 }
 
 TEST(Fractal, IsTheFlatPlaneWithoutNoise) {
@@ -80,17 +77,17 @@ std::vector<double> by_the_rule(const std::vector<double>& coarse, Vec3i n) {
   for (int axis = 2; axis >= 0; --axis) {
     const std::array<int, 3> was{n.x, n.y, n.z};
     Vec3i fine = n;
-    (axis == 0 ? fine.x : axis == 1 ? fine.y : fine.z) = 2 * was[static_cast<std::size_t>(axis)] - 1;
-    std::vector<double> to(static_cast<std::size_t>(fine.x * fine.y * fine.z));
+    (axis == 0 ? fine.x : axis == 1 ? fine.y : fine.z) = 2 * was[axis] - 1;
+    std::vector<double> to(fine.x * fine.y * fine.z);
     for (int z = 0; z < fine.z; ++z)
       for (int y = 0; y < fine.y; ++y)
         for (int x = 0; x < fine.x; ++x) {
           const std::array<int, 3> at{x, y, z};
-          const int c = at[static_cast<std::size_t>(axis)], count = was[static_cast<std::size_t>(axis)];
+          const int c = at[axis], count = was[axis];
           const auto sample = [&](int i) {
             const auto own = [&](int j) {
               std::array<int, 3> p = at;
-              p[static_cast<std::size_t>(axis)] = j;
+              p[axis] = j;
               return from[place(n, p[0], p[1], p[2])];
             };
             if (i < 0) return 2 * own(0) - own(1);
@@ -115,12 +112,12 @@ TEST(Fractal, FollowsTheFourPointRule) {
   std::vector<double> coarse;
   for (int i = 0; i < 6 * 3 * 4; ++i) {
     s.coarse.push_back(static_cast<float>(random.uniform(-1, 1)));
-    coarse.push_back(static_cast<double>(s.coarse.back()));
+    coarse.push_back(s.coarse.back());
   }
   const auto v = all(Fractal(s));
   const auto truth = by_the_rule(coarse, {6, 3, 4});
   ASSERT_EQ(v.size(), truth.size());
-  for (std::size_t i = 0; i < v.size(); ++i) ASSERT_NEAR(static_cast<double>(v[i]), truth[i], 1e-6);
+  for (std::size_t i = 0; i < v.size(); ++i) ASSERT_NEAR(v[i], truth[i], 1e-6);
 }
 
 TEST(Fractal, EveryLevelKeepsTheSamplesOfTheOneBefore) {
@@ -150,14 +147,14 @@ TEST(Fractal, AnyPartOnAnyThreadsHasTheSameBits) {
   for (int round = 0; round < 200; ++round) {
     SampleBox box;
     const auto side = [&](int size, int& lo, int& hi) {
-      lo = static_cast<int>(random.below(static_cast<std::uint64_t>(size)));
-      hi = lo + static_cast<int>(random.below(static_cast<std::uint64_t>(size - lo)));
+      lo = static_cast<int>(random.below(size));
+      hi = lo + static_cast<int>(random.below(size - lo));
     };
     side(n.x, box.lo.x, box.hi.x);
     side(n.y, box.lo.y, box.hi.y);
     side(n.z, box.lo.z, box.hi.z);
     const Vec3i b = box.size();
-    std::vector<float> part(static_cast<std::size_t>(b.x * b.y * b.z));
+    std::vector<float> part(b.x * b.y * b.z);
     f.read(box, part.data());
     const Interval range = f.range(box);
     for (int z = 0; z < b.z; ++z)
@@ -183,7 +180,7 @@ struct Added {
 Added added(const FractalSettings& s, int level) {
   FractalSettings with = s, without = s;
   with.levels = without.levels = level + 1;
-  without.noise.resize(static_cast<std::size_t>(level));
+  without.noise.resize(level);
   const auto a = all(Fractal(with)), b = all(Fractal(without));
   const Vec3i n = with.size();
   double sum = 0, square = 0, most = 0, count = 0;
@@ -191,8 +188,7 @@ Added added(const FractalSettings& s, int level) {
     for (int y = 0; y < n.y; ++y)
       for (int x = 0; x < n.x; ++x) {
         if (x % 2 == 0 && y % 2 == 0 && z % 2 == 0) continue;
-        const double d =
-            static_cast<double>(a[place(n, x, y, z)]) - static_cast<double>(b[place(n, x, y, z)]);
+        const double d = double{a[place(n, x, y, z)]} - b[place(n, x, y, z)];
         sum += d, square += d * d, most = std::max(most, std::abs(d)), ++count;
       }
   const double mean = sum / count;
@@ -225,11 +221,11 @@ TEST(Fractal, NoiseOfNeighboursAndLevelsIsIndependent) {
   for (int z = 1; z + 1 < n.z; z += 2)
     for (int y = 1; y + 1 < n.y; ++y)
       for (int x = 1; x + 1 < n.x; ++x) {
-        const double own = static_cast<double>(v[place(n, x, y, z)]);
-        across[0] += own * static_cast<double>(v[place(n, x + 1, y, z)]);
-        across[1] += own * static_cast<double>(v[place(n, x, y + 1, z)]);
-        across[2] += own * static_cast<double>(v[place(n, x + 1, y - 1, z)]);
-        across[3] += own * static_cast<double>(other[place(n, x, y, z)]);
+        const double own = v[place(n, x, y, z)];
+        across[0] += own * v[place(n, x + 1, y, z)];
+        across[1] += own * v[place(n, x, y + 1, z)];
+        across[2] += own * v[place(n, x + 1, y - 1, z)];
+        across[3] += own * other[place(n, x, y, z)];
         square += own * own, ++count;
       }
   for (double a : across) EXPECT_NEAR(a / square, 0, 5 / std::sqrt(count));
@@ -253,9 +249,8 @@ double bend(const FractalSettings& s) {
   for (int z = 0; z < n.z; ++z)
     for (int y = 0; y < n.y; ++y)
       for (int x = 1; x + 1 < n.x; ++x)
-        most = std::max(most, std::abs(static_cast<double>(v[place(n, x - 1, y, z)]) -
-                                       2 * static_cast<double>(v[place(n, x, y, z)]) +
-                                       static_cast<double>(v[place(n, x + 1, y, z)])));
+        most = std::max(most, std::abs(v[place(n, x - 1, y, z)] - 2 * double{v[place(n, x, y, z)]} +
+                                       v[place(n, x + 1, y, z)]));
   return most;
 }
 
@@ -314,9 +309,8 @@ TEST(Fractal, ALimitSavesMemoryAndChangesNothingElse) {
   EXPECT_LT(limited.full_chunks(), free.full_chunks() / 2);
   Random random(1);
   for (int i = 0; i < 20000; ++i) {
-    const Vec3i at{static_cast<int>(random.below(static_cast<std::uint64_t>(n.x))),
-                   static_cast<int>(random.below(static_cast<std::uint64_t>(n.y))),
-                   static_cast<int>(random.below(static_cast<std::uint64_t>(n.z)))};
+    const Vec3i at{static_cast<int>(random.below(n.x)), static_cast<int>(random.below(n.y)),
+                   static_cast<int>(random.below(n.z))};
     ASSERT_EQ(limited.at(at), std::clamp(free.at(at), -0.25f, 0.25f));
   }
 }

@@ -73,11 +73,11 @@ void expect_shell(const PrismFields& fields, double tolerance) {
       ASSERT_EQ(matter.size(), d > 5 ? 0u : d > 2.5 ? 1u : 2u) << d;
       if (matter.empty()) continue;
       const double half = std::sqrt(25 - d * d), z = fields.frame().origin.z;
-      EXPECT_NEAR(z + static_cast<double>(matter.front().bottom), 3 - half, tolerance);
-      EXPECT_NEAR(z + static_cast<double>(matter.back().top), 3 + half, tolerance);
+      EXPECT_NEAR(z + matter.front().bottom, 3 - half, tolerance);
+      EXPECT_NEAR(z + matter.back().top, 3 + half, tolerance);
       if (matter.size() < 2) continue;
       ++hollow;
-      EXPECT_NEAR(z + static_cast<double>(matter[0].top), 3 - std::sqrt(2.5 * 2.5 - d * d), tolerance);
+      EXPECT_NEAR(z + matter[0].top, 3 - std::sqrt(2.5 * 2.5 - d * d), tolerance);
     }
   EXPECT_GT(hollow, 20);
 }
@@ -96,9 +96,7 @@ TEST(PrismConvert, GridsBecomeColumnsByTheirTrilinearRoots) {
     for (int i = 0; i < fields.frame().nx; ++i)
       for (const Matter& m : fields.column(i, j)) {
         const ColumnFrame& f = fields.frame();
-        const auto at = [&](float z) {
-          return grid.value({f.x(i), f.y(j), f.origin.z + static_cast<double>(z)});
-        };
+        const auto at = [&](float z) { return grid.value({f.x(i), f.y(j), f.origin.z + z}); };
         EXPECT_NEAR(at(m.bottom), 0, 1e-5);
         EXPECT_NEAR(at(m.top), 0, 1e-5);
       }
@@ -134,8 +132,7 @@ TEST(PrismFunction, AgreesWithTheColumns) {
       f->values({&p, 1}, {&value, 1});
       bool in = false;
       for (const Matter& m : fields.column(i, j)) {
-        const double bottom = frame.origin.z + static_cast<double>(m.bottom),
-                     top = frame.origin.z + static_cast<double>(m.top);
+        const double bottom = frame.origin.z + m.bottom, top = frame.origin.z + m.top;
         if (std::abs(z - bottom) < 1e-3 || std::abs(z - top) < 1e-3) in = value > 0;
         in = in || (z > bottom && z < top);
       }

@@ -15,9 +15,9 @@ using testing::HasSubstr;
 class Columns {
  public:
   explicit Columns(const ColumnFrame& frame, float thinnest)
-      : frame_(frame), thinnest_(thinnest), at_(static_cast<std::size_t>(frame.nx * frame.ny)) {}
+      : frame_(frame), thinnest_(thinnest), at_(frame.nx * frame.ny) {}
 
-  std::vector<Matter>& at(int i, int j) { return at_[static_cast<std::size_t>(j * frame_.nx + i)]; }
+  std::vector<Matter>& at(int i, int j) { return at_[j * frame_.nx + i]; }
 
   /// Gives the columns that changed.
   ColumnBox apply(const Tool& tool, Edit mode) {

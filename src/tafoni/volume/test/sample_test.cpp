@@ -97,7 +97,7 @@ TEST(Sample, ConstantChunksCostNothing) {
   // The field varies within R = 15 m of a surface that stays within 15 m of 0.
   const Vec3i n = grid.chunks();
   const int layers = 4;
-  EXPECT_LE(grid.full_chunks(), static_cast<std::uint64_t>(n.x * n.y * layers));
+  EXPECT_LE(grid.full_chunks(), n.x * n.y * layers);
   EXPECT_GT(grid.full_chunks(), 0u);
   float below = 0, above = 0;
   EXPECT_TRUE(grid.uniform({0, 0, 0}, &below));
@@ -129,8 +129,7 @@ double error_near_surface(const Shape& shape, const ScalarGrid& grid, double rea
     const Vec3d p{random.uniform(box.lo.x, box.hi.x), random.uniform(box.lo.y, box.hi.y),
                   random.uniform(box.lo.z, box.hi.z)};
     const double truth = shape.at(p);
-    if (std::abs(truth) < reach)
-      worst = std::max(worst, std::abs(static_cast<double>(grid.value(p)) - truth));
+    if (std::abs(truth) < reach) worst = std::max(worst, std::abs(grid.value(p) - truth));
   }
   return worst;
 }

@@ -27,15 +27,9 @@ struct Mirror {
   std::vector<float> values;
 
   Mirror(const GridFrame& f, float value, Precision p)
-      : frame(f),
-        precision(p),
-        values(static_cast<std::size_t>(f.size.x) * f.size.y * f.size.z, stored(value)) {}
+      : frame(f), precision(p), values(std::int64_t{f.size.x} * f.size.y * f.size.z, stored(value)) {}
   float stored(float v) const { return precision == Precision::half ? from_half(to_half(v)) : v; }
-  float& at(Vec3i s) {
-    return values[(static_cast<std::size_t>(s.z) * frame.size.y + s.y) *
-                      static_cast<std::size_t>(frame.size.x) +
-                  s.x];
-  }
+  float& at(Vec3i s) { return values[(std::int64_t{s.z} * frame.size.y + s.y) * frame.size.x + s.x]; }
   float nearest(Vec3i s) {
     return at({std::clamp(s.x, 0, frame.size.x - 1), std::clamp(s.y, 0, frame.size.y - 1),
                std::clamp(s.z, 0, frame.size.z - 1)});
@@ -50,7 +44,7 @@ void for_samples(const SampleBox& box, const F& visit) {
 }
 
 SampleBox random_box(Random& random, Vec3i size, int side) {
-  const auto below = [&](int n) { return static_cast<int>(random.below(static_cast<std::uint64_t>(n))); };
+  const auto below = [&](int n) { return static_cast<int>(random.below(n)); };
   SampleBox box;
   box.lo = {below(size.x), below(size.y), below(size.z)};
   box.hi = {std::min(size.x - 1, box.lo.x + below(side)), std::min(size.y - 1, box.lo.y + below(side)),
@@ -118,8 +112,7 @@ void edit_at_random(Precision precision) {
   for (int step = 0; step < 100000; ++step) {
     const SampleBox box = random_box(random, frame.size, step % 500 == 0 ? 60 : 4);
     const auto change = [&](Vec3i s, float old) {
-      const std::uint64_t h =
-          hash_combine(static_cast<std::uint64_t>(step), hash_combine(s.x, s.y * 1000 + s.z));
+      const std::uint64_t h = hash_combine(step, hash_combine(s.x, s.y * 1000 + s.z));
       if (step % 5 == 0) return 2.5f;
       return h % 3 ? old : static_cast<float>(static_cast<double>(h >> 11) * 0x1p-53 * 200 - 100);
     };
@@ -178,7 +171,7 @@ TEST(ScalarGrid, ReadsBeyondTheFrameGiveTheNearestSample) {
     grid.write(grid.samples(), mirror.values.data());
     for (const SampleBox& box : {SampleBox{{-7, -3, -2}, {45, 26, 12}}, SampleBox{{-9, 2, 3}, {-4, 5, 5}},
                                  SampleBox{{37, 19, 8}, {44, 23, 10}}, SampleBox{{30, 5, 5}, {34, 5, 5}}}) {
-      std::vector<float> out(static_cast<std::size_t>(box.size().x) * box.size().y * box.size().z);
+      std::vector<float> out(box.count());
       grid.read(box, out.data());
       std::size_t i = 0;
       for_samples(box, [&](Vec3i s) {

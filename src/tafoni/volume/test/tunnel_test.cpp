@@ -70,7 +70,7 @@ void expect_same(const ScalarGrid& a, const ScalarGrid& b, double reach) {
   for (int z = 0; z < n.z; ++z)
     for (int y = 0; y < n.y; ++y)
       for (int x = 0; x < n.x; ++x) {
-        const double u = static_cast<double>(a.at({x, y, z})), v = static_cast<double>(b.at({x, y, z}));
+        const double u = a.at({x, y, z}), v = b.at({x, y, z});
         // At the reach itself rounding decides.
         if (std::abs(u - v) > 1e-5) {
           ASSERT_NEAR(std::min(u, v), reach, 1e-5) << x << ' ' << y << ' ' << z;

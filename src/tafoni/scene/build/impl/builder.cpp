@@ -11,6 +11,7 @@
 #include "tafoni/geology/kind.h"
 #include "tafoni/io/csv.h"
 #include "tafoni/io/dem.h"
+#include "tafoni/io/format.h"
 #include "tafoni/io/vector.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/raster/resample.h"

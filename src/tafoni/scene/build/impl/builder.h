@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tafoni/io/format.h"
+#include "tafoni/io/volume_file.h"
 #include "tafoni/scene/build/build.h"
 #include "tafoni/scene/build/impl/digest.h"
 #include "tafoni/scene/build/impl/recent.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tafoni/core/params.h"
-#include "tafoni/io/format.h"
+#include "tafoni/io/volume_file.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/raster/grid.h"
 

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "tafoni/core/error.h"
-#include "tafoni/render/palette.h"
+#include "tafoni/render/inner/palette.h"
 
 namespace tafoni::scene {
 namespace {

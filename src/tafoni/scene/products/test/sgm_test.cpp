@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tafoni/core/error.h"
-#include "tafoni/io/format.h"
+#include "tafoni/io/mesh_file.h"
 
 namespace tafoni::scene {
 namespace {

@@ -9,7 +9,7 @@
 namespace tafoni::render {
 
 /// What a point of the surface looks like depends on these.
-struct SurfacePoint {
+struct GroundLook {
   Vec3d position;                    ///< world or local metres; only moves the texture
   Vec3f normal{0, 0, 1};             ///< unit, outward
   float resistance = 0.5f;           ///< rho in [0, 1]: soft ochre to hard grey
@@ -20,7 +20,7 @@ struct SurfacePoint {
 };
 
 /// Linear RGB reflectance, each in [0, 1].
-Vec3f rock_palette(const SurfacePoint& point);
+Vec3f rock_palette(const GroundLook& point);
 
 /// Linear [0, 1] to 8-bit linear RGBA, as Mesh::colors and glTF's COLOR_0 hold it.
 std::array<std::uint8_t, 4> to_rgba8(Vec3f linear);
