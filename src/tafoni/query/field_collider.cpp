@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "tafoni/query/impl/tile.h"
-#include "tafoni/surface/bricks.h"
+#include "tafoni/surface/inner/bricks.h"
 
 namespace tafoni::query {
 

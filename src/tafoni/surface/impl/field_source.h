@@ -1,7 +1,7 @@
 #pragma once
 // A compiled field as the polygonizer takes it.
 
-#include "tafoni/surface/source.h"
+#include "tafoni/surface/sample_source.h"
 
 namespace tafoni::surface::impl {
 
