@@ -20,7 +20,7 @@
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/mesh/validate.h"
-#include "tafoni/surface/dense.h"
+#include "tafoni/surface/dense_grid.h"
 #include "tafoni/surface/grid_mesher.h"
 #include "tafoni/volume/edit.h"
 
@@ -160,7 +160,7 @@ class Case {
     std::fprintf(stderr, "first mesh%s: %.3f s\n", name.c_str(), seconds() - start);
   }
 
-  std::vector<surface::GridMesher::Change> dab(const volume::Tool& tool, volume::Edit edit) {
+  std::vector<surface::ChunkChange> dab(const volume::Tool& tool, volume::Edit edit) {
     const double start = seconds();
     const volume::SampleBox box = volume::apply(grid_, tool, edit, amplitude);
     const double edited = seconds();

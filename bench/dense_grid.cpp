@@ -5,6 +5,8 @@
 //
 // THREADS (1 unless given) are VTK's and OpenVDB's; a dense grid is meshed here by one thread.
 
+#include "tafoni/surface/dense_grid.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -19,7 +21,6 @@
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/mesh/validate.h"
-#include "tafoni/surface/dense.h"
 
 #if defined(TAFONI_BENCH_VTK)
 #include <vtkCellArray.h>

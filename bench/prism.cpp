@@ -157,8 +157,8 @@ class Prisms {
   void update(Vec3d c, double r, bool whole) {
     volume::ColumnBox changed = fields_.apply(volume::Tool::sphere(c, r), volume::Edit::remove);
     if (whole) changed = {0, 0, fields_.frame().nx - 1, fields_.frame().ny - 1};
-    for (const auto at : mesher_.update(fields_, changed)) {
-      const surface::PrismChunk& chunk = mesher_.chunk(at);
+    for (const auto& change : mesher_.update(fields_, changed)) {
+      const surface::PrismChunkMesh& chunk = mesher_.chunk(change.chunk);
       triangles_ += chunk.triangles.size();
       for (std::size_t n = 0; n < chunk.positions.size(); n += 61) {
         std::uint32_t bits[3];

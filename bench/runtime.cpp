@@ -49,7 +49,7 @@ std::uint64_t click(runtime::DestructibleTerrain& ground, Vec3d at, int i, Rando
 }
 
 void run(const scene::BuiltScene& scene, double voxel, int clicks) {
-  runtime::TerrainSettings settings;
+  runtime::DestructibleTerrainSettings settings;
   settings.voxel = voxel;
   const double t0 = now_ms();
   runtime::DestructibleTerrain ground(scene, settings);
@@ -70,7 +70,7 @@ void run(const scene::BuiltScene& scene, double voxel, int clicks) {
     const std::uint64_t version = click(ground, hit->point, i, random);
     const auto changes = ground.changes_since(version - 1);
     std::size_t bytes = 0;
-    for (const Vec3i c : changes.chunks) bytes += ground.chunk(c).mesh->positions.size();
+    for (const auto& change : changes.chunks) bytes += ground.chunk(change.chunk).mesh->positions.size();
     seen.push_back(now_ms() - start);
     cpu.push_back(cpu_ms() - cpu_start);
     chunks += changes.chunks.size();

@@ -21,7 +21,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/field/compiled.h"
-#include "tafoni/surface/incremental.h"
+#include "tafoni/surface/incremental_mesher.h"
 
 namespace {
 

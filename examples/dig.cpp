@@ -24,7 +24,7 @@ int main() try {
   // Where a game uploads meshes: at first all chunks, later those that changed.
   std::size_t triangles = 0;
   const auto first = ground.changes_since(0);
-  for (const Vec3i index : first.chunks) triangles += ground.chunk(index).mesh->triangles.size();
+  for (const auto& change : first.chunks) triangles += ground.chunk(change.chunk).mesh->triangles.size();
   std::printf("%zu chunks, %zu triangles\n", first.chunks.size(), triangles);
 
   // A tunnel, dug ball by ball from a ledge of the cliff, northwards and down. Positions are in the scene's
@@ -38,10 +38,10 @@ int main() try {
   const auto changed = ground.changes_since(version - 1);
   std::printf("the explosion, edit %llu, changed %zu chunks\n", static_cast<unsigned long long>(version),
               changed.chunks.size());
-  for (const Vec3i index : changed.chunks) {
-    const runtime::Chunk chunk = ground.chunk(index);  // stays as it is while others dig on
-    std::printf("  %d,%d,%d: %zu vertices, %zu convex polygons\n", index.x, index.y, index.z,
-                chunk.mesh->positions.size(), chunk.mesh->polygons.size());
+  for (const auto& change : changed.chunks) {
+    const runtime::TerrainChunk chunk = ground.chunk(change.chunk);  // stays as it is while others dig on
+    std::printf("  %d,%d,%d: %zu vertices, %zu convex polygons\n", chunk.chunk.x, chunk.chunk.y,
+                chunk.chunk.z, chunk.mesh->positions.size(), chunk.mesh->polygons.size());
   }
 
   // A player walks in. A collider is local: the origin is taken off.

@@ -217,7 +217,7 @@ Vec3d Collider::normal_at(Vec3d q) const {
   return normalized(search.normal);
 }
 
-std::optional<SurfacePoint> Collider::closest(Vec3d p, double distance) const {
+std::optional<ClosestPoint> Collider::closest(Vec3d p, double distance) const {
   check(p, "the point");
   check_distance(distance);
   struct Search {
@@ -240,7 +240,7 @@ std::optional<SurfacePoint> Collider::closest(Vec3d p, double distance) const {
   // 2005).
   const Vec3d normal = normal_at(search.point);
   const bool rock = dot(p - search.point, normal) < 0;
-  return SurfacePoint{search.point, normal, rock ? -search.best : search.best};
+  return ClosestPoint{search.point, normal, rock ? -search.best : search.best};
 }
 
 bool Collider::solid(Vec3d p) const {

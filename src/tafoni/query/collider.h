@@ -47,7 +47,7 @@ struct RayHit {
   bool from_rock = false;
 };
 
-struct SurfacePoint {
+struct ClosestPoint {
   Vec3d point, normal;  ///< on edges and corners, the mean of the faces that meet there, by their angles
   double distance = 0;  ///< metres, below 0 for a point in the rock
 };
@@ -90,7 +90,7 @@ class Collider {
   /// Whether the point lies in the rock.
   bool solid(Vec3d p) const;
   /// The surface's point nearest to p, if one lies within `distance` metres, which may be infinite.
-  std::optional<SurfacePoint> closest(Vec3d p, double distance) const;
+  std::optional<ClosestPoint> closest(Vec3d p, double distance) const;
   /// Whether some of the shape lies in rock, by more than touching.
   bool overlaps(const Capsule& shape) const;
   /// The same with a way out. In rock with no surface within reach of a search, that is up and of unknown

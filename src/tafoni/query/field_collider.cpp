@@ -5,7 +5,7 @@
 #include "tafoni/field/chunks.h"
 #include "tafoni/field/compiled.h"
 #include "tafoni/query/impl/tile.h"
-#include "tafoni/surface/bricks.h"
+#include "tafoni/surface/inner/bricks.h"
 
 namespace tafoni::query {
 

@@ -21,12 +21,9 @@ class GridChunks {
   const ChunkShape* find(Vec3i chunk) const;
   void update(const volume::ScalarGrid& grid, std::span<const volume::SampleBox> changed, Progress& progress);
 
-  struct Hash {
-    std::size_t operator()(Vec3i v) const;
-  };
   volume::ScalarGrid grid_;
   surface::GridMesher mesher_{{surface::Boundary::solid, false}};
-  std::unordered_map<Vec3i, std::unique_ptr<const ChunkShape>, Hash> shapes_;
+  std::unordered_map<Vec3i, std::unique_ptr<const ChunkShape>, surface::ChunkHash> shapes_;
 };
 
 }  // namespace impl

@@ -26,14 +26,12 @@ PrismCollider::~PrismCollider() = default;
 
 void PrismCollider::update(const volume::PrismFields& now, const volume::ColumnBox& changed) {
   fields_ = now;
-  const auto chunks = mesher_.update(fields_, changed);
-  const auto count =
-      static_cast<std::size_t>(mesher_.chunks_x()) * static_cast<std::size_t>(mesher_.chunks_y());
-  chunks_.resize(count);
+  const auto changes = mesher_.update(fields_, changed);
+  chunks_.resize(static_cast<std::size_t>(mesher_.chunks_x()) * mesher_.chunks_y());
   for (auto& chunk : chunks_)
     if (!chunk) chunk = std::make_unique<Chunk>();
-  for (const PrismMesher::ChunkIndex& at : chunks)
-    chunks_[static_cast<std::size_t>(at.b * mesher_.chunks_x() + at.a)] = std::make_unique<Chunk>();
+  for (const surface::ChunkChange& change : changes)
+    chunks_[index(change.chunk.x, change.chunk.y)] = std::make_unique<Chunk>();
   // Vertices are rounded to float.
   bounds_ = fields_.bounds();
   if (!bounds_.empty())
@@ -45,9 +43,9 @@ double PrismCollider::stride() const {
 }
 
 const impl::TriangleTree& PrismCollider::tree(int a, int b) const {
-  Chunk& chunk = *chunks_[static_cast<std::size_t>(b * mesher_.chunks_x() + a)];
+  Chunk& chunk = *chunks_[index(a, b)];
   std::call_once(chunk.once, [&] {
-    const surface::PrismChunk& mesh = mesher_.chunk({a, b});
+    const surface::PrismChunkMesh& mesh = mesher_.chunk({a, b, 0});
     std::vector<Vec3f> positions;
     positions.reserve(mesh.positions.size());
     for (const Vec3f& p : mesh.positions)

@@ -1,10 +1,10 @@
 #include "tafoni/runtime/destructible_terrain.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <set>
-#include <tuple>
 #include <utility>
 
 #include "tafoni/core/error.h"
@@ -18,41 +18,37 @@
 namespace tafoni::runtime {
 namespace {
 
+using surface::ChunkChange;
+using surface::ChunkOrder;
 using volume::SampleBox;
-
-struct ChunkOrder {
-  bool operator()(Vec3i a, Vec3i b) const { return std::tie(a.y, a.x, a.z) < std::tie(b.y, b.x, b.z); }
-};
 
 /// When each chunk changed last, newest last.
 class ChangeLog {
  public:
-  void changed(Vec3i chunk, std::uint64_t version) {
+  void note(Vec3i chunk, std::uint64_t version) {
     const auto [entry, fresh] = versions_.try_emplace(chunk, version);
     if (!fresh) {
-      by_version_.erase({entry->second, chunk});
+      by_version_.erase({chunk, entry->second});
       entry->second = version;
     }
-    by_version_.insert({version, chunk});
+    by_version_.insert({chunk, version});
   }
-  std::vector<Vec3i> since(std::uint64_t version) const {
-    std::vector<Vec3i> out;
+  /// Those after `version`, sorted.
+  std::vector<ChunkChange> since(std::uint64_t version) const {
     constexpr std::int32_t most = std::numeric_limits<std::int32_t>::max();
-    for (auto i = by_version_.upper_bound({version, {most, most, most}}); i != by_version_.end(); ++i)
-      out.push_back(i->second);
+    std::vector<ChunkChange> out(by_version_.upper_bound({{most, most, most}, version}), by_version_.end());
     std::sort(out.begin(), out.end(), ChunkOrder());
     return out;
   }
 
  private:
-  using Entry = std::pair<std::uint64_t, Vec3i>;
   struct Order {
-    bool operator()(const Entry& a, const Entry& b) const {
-      return a.first != b.first ? a.first < b.first : ChunkOrder()(a.second, b.second);
+    bool operator()(const ChunkChange& a, const ChunkChange& b) const {
+      return a.version != b.version ? a.version < b.version : ChunkOrder()(a, b);
     }
   };
   std::map<Vec3i, std::uint64_t, ChunkOrder> versions_;
-  std::set<Entry, Order> by_version_;
+  std::set<ChunkChange, Order> by_version_;
 };
 
 /// A hash of what edits do not change.
@@ -73,13 +69,13 @@ Digest digest_of(const impl::Ground& ground, std::uint64_t samples) {
 }  // namespace
 
 struct DestructibleTerrain::Impl {
-  Impl(impl::Ground opened, const TerrainSettings& settings, Progress& progress);
+  Impl(impl::Ground opened, const DestructibleTerrainSettings& settings, Progress& progress);
 
   SnapshotPtr snapshot() const {
     const std::lock_guard lock(published_mutex);
     return published;
   }
-  using MeshChanges = std::vector<surface::GridMesher::Change>;
+  using MeshChanges = std::vector<ChunkChange>;
   SnapshotPtr next(const MeshChanges& changes, std::size_t edits_made) const;
   void publish(SnapshotPtr now, const MeshChanges& changes);
   /// After edits that were not made, the mesher follows the grid back.
@@ -106,7 +102,8 @@ struct DestructibleTerrain::Impl {
   ChangeLog log;
 };
 
-DestructibleTerrain::Impl::Impl(impl::Ground opened, const TerrainSettings& settings, Progress& progress)
+DestructibleTerrain::Impl::Impl(impl::Ground opened, const DestructibleTerrainSettings& settings,
+                                Progress& progress)
     : ground(std::move(opened)),
       mesher({ground.boundary, settings.polygons}),
       hash(ground.grid),
@@ -134,7 +131,7 @@ SnapshotPtr DestructibleTerrain::Impl::next(const MeshChanges& changes, std::siz
 
 void DestructibleTerrain::Impl::publish(SnapshotPtr now, const MeshChanges& changes) {
   const std::lock_guard lock(published_mutex);
-  for (const auto& change : changes) log.changed(change.chunk, now->version());
+  for (const auto& change : changes) log.note(change.chunk, now->version());
   published.swap(now);  // what only the last one held is freed after the lock
 }
 
@@ -149,7 +146,8 @@ void DestructibleTerrain::Impl::check_work(const Operation& operation) const {
   const std::uint64_t work = impl::work_of(operation, ground.grid, ground.origin, ground.band);
   if (work > edit_work)
     fail(ErrorKind::usage,
-         "an edit would look at {} samples, more than the {} of TerrainSettings::edit_work: make it smaller, "
+         "an edit would look at {} samples, more than the {} of DestructibleTerrainSettings::edit_work: make "
+         "it smaller, "
          "give its hull fewer corners, or allow more",
          work, edit_work);
 }
@@ -198,18 +196,19 @@ void DestructibleTerrain::Impl::replay(const JournalContents& contents, const st
   apply(contents.edits, progress);
 }
 
-DestructibleTerrain::DestructibleTerrain(const scene::BuiltScene& scene, const TerrainSettings& settings,
-                                         Progress& progress)
+DestructibleTerrain::DestructibleTerrain(const scene::BuiltScene& scene,
+                                         const DestructibleTerrainSettings& settings, Progress& progress)
     : impl_(std::make_unique<Impl>(impl::ground_of(scene, settings, progress), settings, progress)) {}
 DestructibleTerrain::DestructibleTerrain(volume::ScalarGrid grid, Vec3d origin,
-                                         const TerrainSettings& settings, Progress& progress)
+                                         const DestructibleTerrainSettings& settings, Progress& progress)
     : impl_(std::make_unique<Impl>(impl::ground_of(std::move(grid), origin, settings), settings, progress)) {}
 DestructibleTerrain::DestructibleTerrain(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 DestructibleTerrain::~DestructibleTerrain() = default;
 DestructibleTerrain::DestructibleTerrain(DestructibleTerrain&&) noexcept = default;
 
 DestructibleTerrain DestructibleTerrain::open(const std::filesystem::path& file,
-                                              const TerrainSettings& settings, Progress& progress) {
+                                              const DestructibleTerrainSettings& settings,
+                                              Progress& progress) {
   return DestructibleTerrain(
       std::make_unique<Impl>(impl::read_ground(file, settings, progress), settings, progress));
 }

@@ -14,12 +14,13 @@
 #include "tafoni/runtime/journal.h"
 #include "tafoni/runtime/operation.h"
 #include "tafoni/scene/build/build.h"
+#include "tafoni/surface/chunk.h"
 #include "tafoni/surface/grid_mesher.h"
 #include "tafoni/volume/scalar_grid.h"
 
 namespace tafoni::runtime {
 
-struct TerrainSettings {
+struct DestructibleTerrainSettings {
   double voxel = 0;  ///< metres; 0: the scene's own. Volumes have theirs
   volume::Precision precision = volume::Precision::single;
   /// Metres that values are limited to, 0 for four voxels. What lies deeper in rock or air takes no memory,
@@ -40,9 +41,10 @@ struct TerrainSettings {
   std::uint64_t edit_work = std::uint64_t{1} << 23;
 };
 
-/// Immutable: who holds one may read it in any thread, whatever happens to the terrain.
-struct Chunk {
-  Vec3i index;
+/// Immutable: who holds one may read it in any thread, whatever happens to the terrain. What chunks and
+/// changes are, surface/chunk.h says; versions here are the terrain's and count edits.
+struct TerrainChunk {
+  Vec3i chunk;
   std::uint64_t version = 0;   ///< of the edit that changed it last
   Vec3d origin;                ///< world position that the mesh's positions are relative to
   surface::GridChunkPtr mesh;  ///< never null; its own version is not the terrain's
@@ -62,8 +64,8 @@ class Snapshot {
   Vec3d to_world(Vec3d local) const { return local + origin(); }
 
   /// Chunk (a, b, c) has the voxels from (32 a, 32 b, 32 c). Its mesh is empty where there is no surface.
-  Chunk chunk(Vec3i index) const;
-  /// Every chunk with triangles, sorted by y, x, z.
+  TerrainChunk chunk(Vec3i chunk) const;
+  /// Every chunk with triangles, sorted.
   std::vector<Vec3i> chunks() const;
   const volume::ScalarGrid& grid() const;  ///< local
 
@@ -72,7 +74,7 @@ class Snapshot {
   /// query::Collider's own, in world positions.
   std::optional<query::RayHit> ray(Vec3d from, Vec3d direction, double distance) const;
   bool solid(Vec3d p) const;
-  std::optional<query::SurfacePoint> closest(Vec3d p, double distance) const;
+  std::optional<query::ClosestPoint> closest(Vec3d p, double distance) const;
   bool overlaps(const query::Capsule& shape) const;
   std::optional<query::Contact> contact(const query::Capsule& shape) const;
   std::optional<query::SweepHit> sweep(const query::Capsule& shape, Vec3d motion) const;
@@ -100,14 +102,17 @@ class DestructibleTerrain {
   /// and Error{usage} for what is too large.
   /// Small floating pieces, which scene::mesh_scene() leaves out below `scene.min_fragment`, are in the
   /// samples and so in the ground, as they are in what `tafoni build` writes as a volume.
-  static DestructibleTerrain open(const std::filesystem::path& file, const TerrainSettings& settings = {},
+  static DestructibleTerrain open(const std::filesystem::path& file,
+                                  const DestructibleTerrainSettings& settings = {},
                                   Progress& progress = silent());
-  explicit DestructibleTerrain(const scene::BuiltScene& scene, const TerrainSettings& settings = {},
+  explicit DestructibleTerrain(const scene::BuiltScene& scene,
+                               const DestructibleTerrainSettings& settings = {},
                                Progress& progress = silent());
   /// A grid whose local zero lies at `origin`. It keeps its precision; values are limited to the band, if one
   /// is given, and are else taken as they are: then the band is their greatest magnitude.
   explicit DestructibleTerrain(volume::ScalarGrid grid, Vec3d origin = {},
-                               const TerrainSettings& settings = {}, Progress& progress = silent());
+                               const DestructibleTerrainSettings& settings = {},
+                               Progress& progress = silent());
   ~DestructibleTerrain();
   DestructibleTerrain(DestructibleTerrain&&) noexcept;
   DestructibleTerrain& operator=(DestructibleTerrain&&) = delete;
@@ -127,10 +132,11 @@ class DestructibleTerrain {
 
   std::uint64_t version() const;
   SnapshotPtr snapshot() const;
-  Chunk chunk(Vec3i index) const { return snapshot()->chunk(index); }
+  TerrainChunk chunk(Vec3i chunk) const { return snapshot()->chunk(chunk); }
   struct Changes {
     std::uint64_t version = 0;  ///< to ask for the next time
-    std::vector<Vec3i> chunks;  ///< sorted by y, x, z; one that lost its last triangle is among them
+    /// Sorted; one that lost its last triangle is among them. Each with the version that changed it last.
+    std::vector<surface::ChunkChange> chunks;
   };
   /// The chunks whose mesh changed after that version; every chunk with triangles after version 0, none after
   /// a version still to come.

@@ -30,7 +30,8 @@ struct Radial {
   std::vector<double> change;  ///< 2 to 4096 values, metres
 };
 /// The ground as it was at an earlier version. This is an edit like any other: it makes a new version, and
-/// what it takes back stays in the journal and can be gone back to. Needs TerrainSettings::rewind.
+/// what it takes back stays in the journal and can be gone back to. Needs
+/// DestructibleTerrainSettings::rewind.
 struct Rewind {
   std::uint64_t version = 0;
 };

@@ -18,11 +18,11 @@ const query::Collider& Snapshot::collider() const {
   return state_->collider;
 }
 
-Chunk Snapshot::chunk(Vec3i index) const {
+TerrainChunk Snapshot::chunk(Vec3i chunk) const {
   static const auto nothing = std::make_shared<const surface::GridChunkMesh>();
-  const impl::ChunkEntry* entry = state_->chunks.find(index);
-  if (!entry) return {index, 0, state_->origin, nothing};
-  return {index, entry->version, state_->origin, entry->shape->mesh()};
+  const impl::ChunkEntry* entry = state_->chunks.find(chunk);
+  if (!entry) return {chunk, 0, state_->origin, nothing};
+  return {chunk, entry->version, state_->origin, entry->shape->mesh()};
 }
 
 std::vector<Vec3i> Snapshot::chunks() const {
@@ -43,7 +43,7 @@ bool Snapshot::solid(Vec3d p) const {
   return collider().solid(to_local(p));
 }
 
-std::optional<query::SurfacePoint> Snapshot::closest(Vec3d p, double distance) const {
+std::optional<query::ClosestPoint> Snapshot::closest(Vec3d p, double distance) const {
   auto near = collider().closest(to_local(p), distance);
   if (near) near->point = to_world(near->point);
   return near;

@@ -276,7 +276,7 @@ bool same_lattice(const surface::PolygonizeSettings& a, const surface::Polygoniz
 
 }  // namespace
 
-std::vector<surface::IncrementalMesher::Change> Session::remesh(Progress& progress) {
+std::vector<surface::ChunkChange> Session::remesh(Progress& progress) {
   State& s = *state_;
   if (!s.built) update(progress);
   const BuiltScene& scene = *s.built->scene;

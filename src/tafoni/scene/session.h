@@ -15,7 +15,7 @@
 #include "tafoni/scene/document/document.h"
 #include "tafoni/scene/products/mesh_scene.h"
 #include "tafoni/scene/sculpt/journal.h"
-#include "tafoni/surface/incremental.h"
+#include "tafoni/surface/incremental_mesher.h"
 
 namespace tafoni::scene {
 
@@ -84,7 +84,7 @@ class Session {
   /// Brings the mesher up to the last update (made if there was none): only chunks of the lattice that the
   /// changed boxes touch are looked at. Gives the chunks whose mesh changed. The mesher lives as long as the
   /// session does not have to mesh on another lattice.
-  std::vector<surface::IncrementalMesher::Change> remesh(Progress& progress = silent());
+  std::vector<surface::ChunkChange> remesh(Progress& progress = silent());
   const surface::IncrementalMesher& mesher() const;
   /// remesh(), put together, coloured and simplified: what mesh_scene() makes of the scene, byte for byte.
   MeshResult mesh(Progress& progress = silent());

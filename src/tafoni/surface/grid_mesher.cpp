@@ -19,9 +19,7 @@ using impl::GridChunkState;
 using impl::GridLayout;
 using volume::SampleBox;
 
-bool before(Vec3i a, Vec3i b) {
-  return std::tie(a.y, a.x, a.z) < std::tie(b.y, b.x, b.z);
-}
+constexpr ChunkOrder before{};
 
 bool voxel_before(Vec3i a, Vec3i b) {
   return std::tie(a.z, a.y, a.x) < std::tie(b.z, b.y, b.x);
@@ -67,7 +65,7 @@ std::pair<std::uint32_t, std::uint32_t> VoxelPolygons::of(Vec3i voxel) const {
 struct GridMesher::State {
   GridMesherSettings settings;
   std::optional<GridLayout> layout;
-  std::unordered_map<Vec3i, GridChunkState, impl::ChunkHash> chunks;
+  std::unordered_map<Vec3i, GridChunkState, ChunkHash> chunks;
   std::uint64_t version = 0;
   bool complete = false;  ///< chunks is the mesh of the last update's grid
   std::mutex mutex;
@@ -122,13 +120,13 @@ GridMesher::GridMesher(const GridMesherSettings& settings) : state_(std::make_un
 }
 GridMesher::~GridMesher() = default;
 
-std::vector<GridMesher::Change> GridMesher::update(const volume::ScalarGrid& grid,
-                                                   std::span<const SampleBox> changed, Progress& progress) {
+std::vector<ChunkChange> GridMesher::update(const volume::ScalarGrid& grid,
+                                            std::span<const SampleBox> changed, Progress& progress) {
   State& s = *state_;
   const bool partial = s.complete && s.layout && s.layout->frame == grid.frame();
   s.complete = false;
   ++s.version;
-  std::vector<Change> out;
+  std::vector<ChunkChange> out;
   if (!partial) {
     GridLayout layout(grid.frame(), s.settings.boundary);
     s.idle.clear();
@@ -158,8 +156,7 @@ std::vector<GridMesher::Change> GridMesher::update(const volume::ScalarGrid& gri
     if (job.differs) out.push_back({job.chunk, s.version});
     if (!job.state->mesh) s.chunks.erase(job.chunk);
   }
-  std::sort(out.begin(), out.end(),
-            [](const Change& a, const Change& b) { return before(a.chunk, b.chunk); });
+  std::sort(out.begin(), out.end(), before);
   s.complete = true;
   return out;
 }
@@ -214,7 +211,7 @@ mesh::Mesh GridMesher::assemble() const {
   if (!s.complete) fail(ErrorKind::internal, "a mesh cannot be assembled before an update() has succeeded");
   const auto order = chunks();
   // A vertex is its owner's; others look it up there by its edge.
-  std::unordered_map<Vec3i, std::vector<std::uint32_t>, impl::ChunkHash> numbers;
+  std::unordered_map<Vec3i, std::vector<std::uint32_t>, ChunkHash> numbers;
   mesh::Mesh out;
   for (Vec3i at : order) {
     const GridChunkState& state = s.chunks.at(at);

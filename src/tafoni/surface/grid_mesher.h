@@ -1,6 +1,6 @@
 #pragma once
-// The mesh of a scalar grid, chunk by chunk, kept up to date while the grid is edited ([Ruths01]: only
-// touched voxels are polygonized again).
+// The mesh of a scalar grid, chunk by chunk (chunk.h), kept up to date while the grid is edited ([Ruths01]:
+// only touched voxels are polygonized again).
 //
 // Voxel (i, j, k) is the cell between the samples (i, j, k) and (i + 1, j + 1, k + 1); chunk (a, b, c) has
 // the voxels from (32 a, 32 b, 32 c). Cases, vertices and normals are those of polygonize_grid(): normals are
@@ -14,6 +14,7 @@
 
 #include "tafoni/core/progress.h"
 #include "tafoni/mesh/mesh.h"
+#include "tafoni/surface/chunk.h"
 #include "tafoni/surface/polygonize.h"
 #include "tafoni/volume/scalar_grid.h"
 
@@ -36,14 +37,10 @@ struct VoxelPolygons {
   std::pair<std::uint32_t, std::uint32_t> of(Vec3i voxel) const;
 };
 
-/// The mesh of one chunk, complete in itself: vertices on its faces are repeated in the neighbours, bit for
-/// bit. Never changes: an update makes a new one, and who holds the old one may go on reading it.
-struct GridChunkMesh {
-  std::vector<Vec3f> positions;  ///< local metres
-  std::vector<Vec3f> normals;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  VoxelPolygons polygons;     ///< where asked for
-  std::uint64_t version = 0;  ///< of the update that made it
+/// Positions are local metres. Never changes: an update makes a new one, and who holds the old one may go on
+/// reading it.
+struct GridChunkMesh : ChunkMesh {
+  VoxelPolygons polygons;  ///< where asked for
 };
 using GridChunkPtr = std::shared_ptr<const GridChunkMesh>;
 
@@ -63,22 +60,16 @@ class GridMesher {
   GridMesher(const GridMesher&) = delete;
   GridMesher& operator=(const GridMesher&) = delete;
 
-  struct Change {
-    Vec3i chunk;
-    std::uint64_t version;
-    friend bool operator==(const Change&, const Change&) = default;
-  };
-  /// Makes the mesh that of `grid`. Outside of the boxes its samples must be bit for bit those of the last
-  /// update's grid; the first update, and one of another frame, looks at everything. Returns the chunks whose
-  /// mesh changed, sorted; one that lost its last triangle is among them. Versions count updates.
+  /// Keeps the contract of chunk.h. Outside of the boxes the grid's samples must be bit for bit those of the
+  /// last update's; a grid of another frame is looked at everywhere.
   /// Throws Error{usage} for a frame too far from zero for floats. After an error or a cancel the next update
   /// looks at everything.
-  std::vector<Change> update(const volume::ScalarGrid& grid, std::span<const volume::SampleBox> changed,
-                             Progress& progress = silent());
+  std::vector<ChunkChange> update(const volume::ScalarGrid& grid, std::span<const volume::SampleBox> changed,
+                                  Progress& progress = silent());
 
   /// Never null; empty where there is no surface.
   GridChunkPtr chunk(Vec3i chunk) const;
-  /// Every chunk with triangles, sorted by (y, x, z).
+  /// Every chunk with triangles, sorted.
   std::vector<Vec3i> chunks() const;
   /// All of them as one mesh without repeated vertices.
   mesh::Mesh assemble() const;

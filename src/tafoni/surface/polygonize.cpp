@@ -189,9 +189,8 @@ mesh::Mesh polygonize(const SourceFactory& source, const Box3d& bounds, const Po
   });
   job.add_stats(sums);
   job.forget_workers();
-  std::sort(pieces.begin(), pieces.end(), [](const Piece& p, const Piece& q) {
-    return std::tie(p.chunk.y, p.chunk.x, p.chunk.z) < std::tie(q.chunk.y, q.chunk.x, q.chunk.z);
-  });
+  std::sort(pieces.begin(), pieces.end(),
+            [](const Piece& p, const Piece& q) { return ChunkOrder()(p.chunk, q.chunk); });
   Connectivity connectivity;
   if (parts) {
     const double start = now();

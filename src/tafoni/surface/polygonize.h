@@ -13,7 +13,7 @@
 #include "tafoni/core/progress.h"
 #include "tafoni/field/compiled.h"
 #include "tafoni/mesh/mesh.h"
-#include "tafoni/surface/source.h"
+#include "tafoni/surface/sample_source.h"
 
 namespace tafoni::surface {
 

@@ -1,6 +1,8 @@
 #include "tafoni/surface/prism_mesher.h"
 
 #include <algorithm>
+#include <cstring>
+#include <utility>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
@@ -75,6 +77,7 @@ struct Workspace {
   std::vector<Sum> normals;
   std::vector<std::int32_t> ids;  ///< by key, in the chunk at work; -1: none
   std::vector<std::size_t> keys;  ///< by id
+  PrismChunkMesh made;            ///< to be compared with the one that is held
 };
 
 std::size_t vertex_key(const PrismFace& f, std::size_t k) {
@@ -98,7 +101,7 @@ void add_normals(Workspace& work, const std::vector<PrismFace>& faces) {
 }
 
 void emit_chunk(const ColumnBox& cells, const std::vector<PrismFace>& faces, Workspace& work,
-                PrismChunk& out) {
+                PrismChunkMesh& out) {
   out.positions.clear(), out.normals.clear(), out.surfaces.clear(), out.triangles.clear();
   work.keys.clear();
   for (int j = cells.j0; j <= cells.j1; ++j) {
@@ -237,14 +240,68 @@ mesh::Mesh polygonize(const PrismFields& fields, const PrismMeshSettings& settin
   return mesh;
 }
 
+namespace {
+
+/// Whether two chunks' meshes have the same bytes.
+bool same(const PrismChunkMesh& x, const PrismChunkMesh& y) {
+  const auto equal = [](const auto& a, const auto& b) {
+    return a.size() == b.size() &&
+           (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0);
+  };
+  return equal(x.triangles, y.triangles) && equal(x.positions, y.positions) && equal(x.normals, y.normals) &&
+         equal(x.surfaces, y.surfaces);
+}
+
+/// Chunks (a0, b0) to (a1, b1).
+struct ChunkBox {
+  int a0, b0, a1, b1;
+};
+
+}  // namespace
+
 struct PrismMesher::State {
   PrismMeshSettings settings;
   ColumnFrame frame;
   int wide = 0, high = 0;
   std::uint64_t version = 0;
-  std::vector<PrismChunk> chunks;
+  std::vector<PrismChunkMesh> chunks;
   std::vector<Workspace> work;
+  PrismChunkMesh nothing;
+
+  PrismChunkMesh& at(int a, int b) { return chunks[static_cast<std::size_t>(b) * wide + a]; }
+  ChunkBox touched(const ColumnBox& changed) const;
+  void make(const PrismFields& fields, const ChunkBox& group, Workspace& work);
 };
+
+/// The chunks that depend on some columns.
+ChunkBox PrismMesher::State::touched(const ColumnBox& changed) const {
+  // A column's air moves the seams of those around it: the cells at these change, from two below it to one
+  // above, and normals a cell further. Walls beyond do not: seams only divide what lies between the same
+  // ends.
+  constexpr int reach = 2;
+  const auto chunk_of = [](int cell, int count) { return std::clamp(cell / chunk_cells, 0, count - 1); };
+  return {chunk_of(std::max(0, changed.i0 - reach - 1), wide),
+          chunk_of(std::max(0, changed.j0 - reach - 1), high), chunk_of(changed.i1 + reach, wide),
+          chunk_of(changed.j1 + reach, high)};
+}
+
+/// Makes the meshes of chunks beside each other together, since what lies around them is looked at, too.
+void PrismMesher::State::make(const PrismFields& fields, const ChunkBox& group, Workspace& own) {
+  const auto& faces =
+      own.faces.run(fields, cells_of(frame, group.a0, group.b0, group.a1, group.b1), true, settings.dead);
+  place(frame, own.faces, own.places);
+  mark_hidden(faces, own.walls, own.hidden);
+  add_normals(own, faces);
+  own.ids.resize(std::max(own.ids.size(), own.normals.size()), -1);
+  for (int b = group.b0; b <= group.b1; ++b)
+    for (int a = group.a0; a <= group.a1; ++a) {
+      emit_chunk(cells_of(frame, a, b, a, b), faces, own, own.made);
+      PrismChunkMesh& held = at(a, b);
+      if (same(held, own.made)) continue;
+      std::swap(held, own.made);
+      held.version = version;
+    }
+}
 
 PrismMesher::PrismMesher(const PrismMeshSettings& settings) : state_(std::make_unique<State>()) {
   state_->settings = settings;
@@ -261,64 +318,54 @@ int PrismMesher::chunks_y() const {
   return state_->high;
 }
 
-const PrismChunk& PrismMesher::chunk(ChunkIndex at) const {
-  return state_->chunks[static_cast<std::size_t>(at.b) * static_cast<std::size_t>(state_->wide) +
-                        static_cast<std::size_t>(at.a)];
+const PrismChunkMesh& PrismMesher::chunk(Vec3i chunk) const {
+  State& s = *state_;
+  const bool known = chunk.x >= 0 && chunk.x < s.wide && chunk.y >= 0 && chunk.y < s.high && chunk.z == 0;
+  return known ? s.at(chunk.x, chunk.y) : s.nothing;
 }
 
-std::vector<PrismMesher::ChunkIndex> PrismMesher::update(const PrismFields& fields,
-                                                         const ColumnBox& changed) {
+std::vector<Vec3i> PrismMesher::chunks() const {
+  std::vector<Vec3i> out;
+  for (int b = 0; b < state_->high; ++b)
+    for (int a = 0; a < state_->wide; ++a)
+      if (!state_->at(a, b).triangles.empty()) out.push_back({a, b, 0});
+  return out;
+}
+
+std::vector<ChunkChange> PrismMesher::update(const PrismFields& fields, const ColumnBox& changed) {
   State& s = *state_;
   const ColumnFrame& frame = fields.frame();
   ColumnBox box = changed;
   if (s.version == 0) {
     s.frame = frame;
     s.wide = (frame.nx + chunk_cells - 2) / chunk_cells, s.high = (frame.ny + chunk_cells - 2) / chunk_cells;
-    s.chunks.resize(static_cast<std::size_t>(s.wide) * static_cast<std::size_t>(s.high));
+    s.chunks.resize(static_cast<std::size_t>(s.wide) * s.high);
     box = {0, 0, frame.nx - 1, frame.ny - 1};
   } else if (!(frame == s.frame)) {
     fail(ErrorKind::usage, "a prism mesher got another frame than before; use a new one");
   }
   ++s.version;
-  std::vector<ChunkIndex> touched;
-  if (box.empty()) return touched;
-  // A column's air moves the seams of those around it: the cells at these change, from two below it to one
-  // above, and normals a cell further. Walls beyond do not: seams only divide what lies between the same
-  // ends.
-  constexpr int reach = 2;
-  const auto chunk_of = [](int cell, int count) { return std::clamp(cell / chunk_cells, 0, count - 1); };
-  const int a0 = chunk_of(std::max(0, box.i0 - reach - 1), s.wide), a1 = chunk_of(box.i1 + reach, s.wide);
-  const int b0 = chunk_of(std::max(0, box.j0 - reach - 1), s.high), b1 = chunk_of(box.j1 + reach, s.high);
-  for (int b = b0; b <= b1; ++b)
-    for (int a = a0; a <= a1; ++a) touched.push_back({a, b});
-  // Chunks beside each other together, since what lies around them is looked at, too; as many groups as there
-  // is work for.
+  std::vector<ChunkChange> out;
+  if (box.empty()) return out;
+  const ChunkBox all = s.touched(box);
+  // As many groups of chunks as there is work for.
   int side = 4;
   const auto groups = [&](int from, int to) { return (to - from) / side + 1; };
-  while (side > 1 && groups(a0, a1) * groups(b0, b1) < thread_count()) side /= 2;
-  const std::int64_t wide = groups(a0, a1), count = wide * groups(b0, b1);
+  while (side > 1 && groups(all.a0, all.a1) * groups(all.b0, all.b1) < thread_count()) side /= 2;
+  const std::int64_t wide = groups(all.a0, all.a1), count = wide * groups(all.b0, all.b1);
   const std::int64_t parts = std::min<std::int64_t>(count, 2 * thread_count());
-  if (static_cast<std::int64_t>(s.work.size()) < parts) s.work.resize(static_cast<std::size_t>(parts));
+  if (std::ssize(s.work) < parts) s.work.resize(parts);
   parallel_for(parts, [&](std::int64_t part) {
-    Workspace& work = s.work[static_cast<std::size_t>(part)];
     for (std::int64_t g = count * part / parts; g < count * (part + 1) / parts; ++g) {
-      const int a = a0 + static_cast<int>(g % wide) * side, b = b0 + static_cast<int>(g / wide) * side;
-      const int a_end = std::min(a + side - 1, a1), b_end = std::min(b + side - 1, b1);
-      const auto& faces = work.faces.run(fields, cells_of(frame, a, b, a_end, b_end), true, s.settings.dead);
-      place(frame, work.faces, work.places);
-      mark_hidden(faces, work.walls, work.hidden);
-      add_normals(work, faces);
-      work.ids.resize(std::max(work.ids.size(), work.normals.size()), -1);
-      for (int y = b; y <= b_end; ++y)
-        for (int x = a; x <= a_end; ++x) {
-          PrismChunk& chunk = s.chunks[static_cast<std::size_t>(y) * static_cast<std::size_t>(s.wide) +
-                                       static_cast<std::size_t>(x)];
-          emit_chunk(cells_of(frame, x, y, x, y), faces, work, chunk);
-          chunk.version = s.version;
-        }
+      const int a = all.a0 + static_cast<int>(g % wide) * side,
+                b = all.b0 + static_cast<int>(g / wide) * side;
+      s.make(fields, {a, b, std::min(a + side - 1, all.a1), std::min(b + side - 1, all.b1)}, s.work[part]);
     }
   });
-  return touched;
+  for (int b = all.b0; b <= all.b1; ++b)
+    for (int a = all.a0; a <= all.a1; ++a)
+      if (s.at(a, b).version == s.version) out.push_back({{a, b, 0}, s.version});
+  return out;
 }
 
 }  // namespace tafoni::surface

@@ -14,6 +14,7 @@
 #include "tafoni/core/progress.h"
 #include "tafoni/field/chunks.h"
 #include "tafoni/mesh/mesh.h"
+#include "tafoni/surface/chunk.h"
 #include "tafoni/volume/prism_field.h"
 
 namespace tafoni::surface {
@@ -35,19 +36,14 @@ struct PrismMeshSettings {
 mesh::Mesh polygonize(const volume::PrismFields& fields, const PrismMeshSettings& settings = {},
                       std::vector<PrismSurface>* surfaces = nullptr);
 
-/// The surface of 16 x 16 cells, for drawing: vertices are not shared between upper, lower and middle
-/// surface, so that edges stay sharp. Positions and normals on its borders are repeated in the chunks beside
-/// it, bit for bit.
-struct PrismChunk {
-  std::vector<Vec3f> positions;  ///< relative to the frame's origin
-  std::vector<Vec3f> normals;
+/// A chunk (chunk.h) for drawing: vertices are not shared between upper, lower and middle surface, so that
+/// edges stay sharp. Positions are relative to the frame's origin.
+struct PrismChunkMesh : ChunkMesh {
   std::vector<PrismSurface> surfaces;  ///< one a vertex
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::uint64_t version = 0;  ///< of the update that made it
 };
 
-/// The mesh of a prism-field, kept up to date by chunks while it is dug. Chunks without a change are not
-/// looked at. Works on several threads; not for several at once.
+/// The mesh of a prism-field, kept up to date by chunks while it is dug. Chunk (a, b, 0) has the cells from
+/// (16 a, 16 b). Works on several threads; not for several at once.
 class PrismMesher {
  public:
   static constexpr int chunk_cells = 16;
@@ -57,17 +53,16 @@ class PrismMesher {
   PrismMesher(PrismMesher&&) noexcept;
   PrismMesher& operator=(PrismMesher&&) noexcept;
 
-  struct ChunkIndex {
-    int a = 0, b = 0;  ///< holds the cells from (16 a, 16 b)
-    friend bool operator==(ChunkIndex, ChunkIndex) = default;
-  };
-  /// Meshes the chunks that the columns `changed` since the last update touch; the first one meshes all.
-  /// Returns them, sorted by b, then a. A frame that changed throws Error{usage}.
-  std::vector<ChunkIndex> update(const volume::PrismFields& fields, const volume::ColumnBox& changed);
+  /// Keeps the contract of chunk.h; `changed`: the columns that differ from the last update's. A frame that
+  /// changed throws Error{usage}.
+  std::vector<ChunkChange> update(const volume::PrismFields& fields, const volume::ColumnBox& changed);
 
   int chunks_x() const;
   int chunks_y() const;
-  const PrismChunk& chunk(ChunkIndex at) const;
+  /// Empty where there is no surface. Valid until the next update().
+  const PrismChunkMesh& chunk(Vec3i chunk) const;
+  /// Every chunk with triangles, sorted.
+  std::vector<Vec3i> chunks() const;
 
  private:
   struct State;

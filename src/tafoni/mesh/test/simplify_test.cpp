@@ -11,7 +11,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
-#include "tafoni/surface/dense.h"
+#include "tafoni/surface/dense_grid.h"
 
 namespace tafoni::mesh {
 namespace {

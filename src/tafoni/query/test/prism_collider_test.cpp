@@ -33,15 +33,14 @@ mesh::Mesh local_mesh(const PrismFields& fields) {
   surface::PrismMesher mesher;
   mesher.update(fields, {0, 0, fields.frame().nx - 1, fields.frame().ny - 1});
   mesh::Mesh all;
-  for (int b = 0; b < mesher.chunks_y(); ++b)
-    for (int a = 0; a < mesher.chunks_x(); ++a) {
-      const surface::PrismChunk& chunk = mesher.chunk({a, b});
-      mesh::Mesh part;
-      part.triangles = chunk.triangles;
-      for (const Vec3f& p : chunk.positions)
-        part.positions.push_back(to_float(fields.frame().origin + to_double(p)));
-      testing::append(all, part);
-    }
+  for (const Vec3i at : mesher.chunks()) {
+    const surface::PrismChunkMesh& chunk = mesher.chunk(at);
+    mesh::Mesh part;
+    part.triangles = chunk.triangles;
+    for (const Vec3f& p : chunk.positions)
+      part.positions.push_back(to_float(fields.frame().origin + to_double(p)));
+    testing::append(all, part);
+  }
   return all;
 }
 

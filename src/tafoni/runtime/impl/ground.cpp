@@ -21,7 +21,7 @@ using volume::ScalarGrid;
 /// Bytes of mesh, polygons and what the mesher keeps, of a chunk with surface; measured on terrains.
 constexpr double mesh_bytes = 130e3;
 
-void check(const TerrainSettings& s) {
+void check(const DestructibleTerrainSettings& s) {
   for (const double v : {s.voxel, s.band, s.above, s.below})
     if (!(v >= 0) || !std::isfinite(v))
       fail(ErrorKind::usage,
@@ -30,7 +30,7 @@ void check(const TerrainSettings& s) {
 
 /// Throws where a terrain of so many chunks with surface, of all in the frame, is too large.
 void check_memory(double chunks, const GridFrame& frame, volume::Precision precision,
-                  const TerrainSettings& settings) {
+                  const DestructibleTerrainSettings& settings) {
   constexpr double side = ScalarGrid::chunk_samples;
   const double sample = precision == volume::Precision::single ? 4 : 2;
   const double all =
@@ -59,8 +59,8 @@ bool mixed(const field::CompiledField& field, const GridFrame& frame, double ban
       for (int x = 0; x <= side; x += step) points.push_back(frame.position(first + Vec3i{x, y, z}));
   std::vector<float> values(points.size());
   field.values(points, values);
-  const auto range_of = std::minmax_element(values.begin(), values.end());
-  return *range_of.first<limit&& * range_of.second> - limit;
+  const auto [lowest, highest] = std::ranges::minmax(values);
+  return lowest < limit && -limit < highest;
 }
 
 /// About how many chunks of samples are not one value, from a thousand columns of chunks at most.
@@ -88,7 +88,8 @@ double chunks_with_surface(const field::CompiledField& field, const GridFrame& f
 
 }  // namespace
 
-Ground ground_of(const scene::BuiltScene& scene, const TerrainSettings& settings, Progress& progress) {
+Ground ground_of(const scene::BuiltScene& scene, const DestructibleTerrainSettings& settings,
+                 Progress& progress) {
   check(settings);
   const double voxel = settings.voxel > 0 ? settings.voxel : scene.voxel;
   const double band = settings.band > 0 ? settings.band : 4 * voxel;
@@ -110,7 +111,7 @@ Ground ground_of(const scene::BuiltScene& scene, const TerrainSettings& settings
           band};
 }
 
-Ground ground_of(ScalarGrid grid, Vec3d origin, const TerrainSettings& settings) {
+Ground ground_of(ScalarGrid grid, Vec3d origin, const DestructibleTerrainSettings& settings) {
   check(settings);
   check_memory(static_cast<double>(grid.full_chunks()), grid.frame(), grid.precision(), settings);
   const auto band = static_cast<float>(settings.band);
@@ -124,7 +125,8 @@ Ground ground_of(ScalarGrid grid, Vec3d origin, const TerrainSettings& settings)
   return {std::move(grid), origin, settings.boundary.value_or(surface::Boundary::solid), most};
 }
 
-Ground read_ground(const std::filesystem::path& file, const TerrainSettings& settings, Progress& progress) {
+Ground read_ground(const std::filesystem::path& file, const DestructibleTerrainSettings& settings,
+                   Progress& progress) {
   if (!io::can(file, io::Ability::read_volume))
     return ground_of(scene::build(scene::load_scene(file), progress), settings, progress);
   io::Volume volume = io::read_volume(file, progress);

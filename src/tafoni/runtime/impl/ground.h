@@ -17,9 +17,11 @@ struct Ground {
 };
 
 /// Each throws Error{usage} for settings that make no sense and for what takes more memory than they allow.
-Ground ground_of(const scene::BuiltScene& scene, const TerrainSettings& settings, Progress& progress);
-Ground ground_of(volume::ScalarGrid grid, Vec3d origin, const TerrainSettings& settings);
+Ground ground_of(const scene::BuiltScene& scene, const DestructibleTerrainSettings& settings,
+                 Progress& progress);
+Ground ground_of(volume::ScalarGrid grid, Vec3d origin, const DestructibleTerrainSettings& settings);
 /// A scene file or a volume file, by extension.
-Ground read_ground(const std::filesystem::path& file, const TerrainSettings& settings, Progress& progress);
+Ground read_ground(const std::filesystem::path& file, const DestructibleTerrainSettings& settings,
+                   Progress& progress);
 
 }  // namespace tafoni::runtime::impl

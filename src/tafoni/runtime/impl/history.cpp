@@ -49,7 +49,8 @@ void History::remember(const ScalarGrid& grid) {
 
 void History::check_rewind(std::uint64_t to) const {
   if (!keeps_past_)
-    fail(ErrorKind::usage, "this terrain does not keep its past: open it with TerrainSettings::rewind");
+    fail(ErrorKind::usage,
+         "this terrain does not keep its past: open it with DestructibleTerrainSettings::rewind");
   if (to < 1 || to > version())
     fail(ErrorKind::usage, "the terrain cannot be rewound to version {}: it has versions 1 to {}", to,
          version());

@@ -27,7 +27,7 @@ using volume::Tool;
 TEST(DestructibleTerrain, LocalMeshesEqualTheWholeByteForByte) {
   for (const auto boundary : {surface::Boundary::open, surface::Boundary::solid})
     for (const auto precision : {volume::Precision::single, volume::Precision::half}) {
-      TerrainSettings settings;
+      DestructibleTerrainSettings settings;
       settings.boundary = boundary;
       DestructibleTerrain terrain = hills(settings, precision);
       const Box3d box = world_box(terrain);
@@ -46,7 +46,7 @@ TEST(DestructibleTerrain, LocalMeshesEqualTheWholeByteForByte) {
 TEST(DestructibleTerrain, ChangesAreTheChunksWhoseMeshDiffers) {
   DestructibleTerrain terrain = hills({});
   EXPECT_EQ(terrain.version(), 1u);
-  EXPECT_EQ(terrain.changes_since(0).chunks, terrain.snapshot()->chunks());
+  EXPECT_EQ(names(terrain.changes_since(0).chunks), terrain.snapshot()->chunks());
   EXPECT_THAT(terrain.changes_since(1).chunks, ElementsAre());
   EXPECT_THAT(terrain.changes_since(std::numeric_limits<std::uint64_t>::max()).chunks, ElementsAre());
   const Box3d box = world_box(terrain);
@@ -59,9 +59,12 @@ TEST(DestructibleTerrain, ChangesAreTheChunksWhoseMeshDiffers) {
     history.push_back(terrain.snapshot());
     const auto changes = terrain.changes_since(version - 1);
     EXPECT_EQ(changes.version, version);
-    EXPECT_EQ(changes.chunks, differing(*history[version - 1], *history[version]));
+    EXPECT_EQ(names(changes.chunks), differing(*history[version - 1], *history[version]));
     changes.chunks.empty() ? ++none : ++some;
-    for (const Vec3i c : changes.chunks) EXPECT_EQ(terrain.chunk(c).version, version);
+    for (const surface::ChunkChange& change : changes.chunks) {
+      EXPECT_EQ(change.version, version);
+      EXPECT_EQ(terrain.chunk(change.chunk).version, version);
+    }
   }
   EXPECT_GT(none, 5u);
   EXPECT_GT(some, 50u);
@@ -69,8 +72,11 @@ TEST(DestructibleTerrain, ChangesAreTheChunksWhoseMeshDiffers) {
     // A chunk may have changed there and back; every one that differs now is told.
     const auto told = terrain.changes_since(since).chunks;
     for (const Vec3i c : differing(*history[since], *history.back()))
-      EXPECT_NE(std::find(told.begin(), told.end(), c), told.end());
-    for (const Vec3i c : told) EXPECT_GT(terrain.chunk(c).version, since);
+      EXPECT_THAT(names(told), ::testing::Contains(c));
+    for (const surface::ChunkChange& change : told) {
+      EXPECT_GT(change.version, since);
+      EXPECT_EQ(terrain.chunk(change.chunk).version, change.version);
+    }
   }
 }
 
@@ -210,7 +216,7 @@ TEST(DestructibleTerrain, EditsOfMoreWorkThanAllowedAreRefused) {
   // With the band of 2 m about it 28 x 28 x 18 m, so about 57 x 57 x 37 samples of 0.5 m.
   const Vec3d half{12, 12, 7};
   const volume::Tool box = volume::Tool::box({0, 0, -2}, half);
-  TerrainSettings settings;
+  DestructibleTerrainSettings settings;
   settings.edit_work = 130000;
   DestructibleTerrain terrain = hills(settings);
   terrain.apply(box, Edit::remove);
@@ -261,7 +267,7 @@ TEST(DestructibleTerrain, NoEditLeavesValuesThatAreNotNumbers) {
 }
 
 TEST(DestructibleTerrain, RewindsToAnyVersion) {
-  TerrainSettings settings;
+  DestructibleTerrainSettings settings;
   settings.rewind = true;
   DestructibleTerrain terrain = hills(settings);
   const Box3d box = world_box(terrain);
@@ -285,7 +291,7 @@ TEST(DestructibleTerrain, RewindsToAnyVersion) {
     if (to == 0) continue;
     EXPECT_EQ(hashes.back(), hashes[to]) << i;
     EXPECT_THAT(differing(*past.back(), *past[to]), ElementsAre()) << i;
-    EXPECT_EQ(terrain.changes_since(terrain.version() - 1).chunks,
+    EXPECT_EQ(names(terrain.changes_since(terrain.version() - 1).chunks),
               differing(*past[past.size() - 2], *past.back()));
   }
   EXPECT_GT(rewinds, 50);
@@ -302,7 +308,7 @@ TEST(DestructibleTerrain, RewindsToAnyVersion) {
 }
 
 TEST(DestructibleTerrain, RewindsAfterEditsThatWereNotMade) {
-  TerrainSettings settings;
+  DestructibleTerrainSettings settings;
   settings.rewind = true;
   DestructibleTerrain terrain = hills(settings);
   const Box3d box = world_box(terrain);
@@ -333,7 +339,7 @@ TEST(DestructibleTerrain, OpensScenesAndVolumes) {
     terrain = { generator = "coast", width = 120, height = 100 }
     layer = [{ type = "sea-cliff", range = 8.0 }]
   )";
-  TerrainSettings settings;
+  DestructibleTerrainSettings settings;
   DestructibleTerrain terrain = DestructibleTerrain::open(root / "a.toml", settings);
   const SnapshotPtr now = terrain.snapshot();
   EXPECT_EQ(now->grid().frame().spacing, 2);

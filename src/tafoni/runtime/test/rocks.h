@@ -13,7 +13,7 @@ namespace tafoni::runtime {
 inline constexpr Vec3d far_away{512345, 4456789, 1024};
 
 /// 48 m of hills at 0.5 m, with a local zero in the middle.
-inline DestructibleTerrain hills(TerrainSettings settings,
+inline DestructibleTerrain hills(DestructibleTerrainSettings settings,
                                  volume::Precision precision = volume::Precision::single, Vec3d origin = {}) {
   volume::ScalarGrid grid({{-24, -24, -16}, 0.5, {97, 97, 57}}, 0, precision);
   grid.edit(grid.samples(), [&](Vec3i first, std::span<float> row) {
@@ -42,6 +42,12 @@ inline bool same(const surface::GridChunkMesh& a, const surface::GridChunkMesh& 
          same_bytes(a.triangles, b.triangles) && same_bytes(a.polygons.voxels, b.polygons.voxels) &&
          same_bytes(a.polygons.first, b.polygons.first) && same_bytes(a.polygons.begin, b.polygons.begin) &&
          same_bytes(a.polygons.corners, b.polygons.corners);
+}
+
+inline std::vector<Vec3i> names(const std::vector<surface::ChunkChange>& changes) {
+  std::vector<Vec3i> out;
+  for (const surface::ChunkChange& change : changes) out.push_back(change.chunk);
+  return out;
 }
 
 /// The chunks whose mesh is not the same in both, sorted as snapshots sort them.

@@ -45,7 +45,7 @@ void expect_same(const DestructibleTerrain& a, const DestructibleTerrain& b) {
 }
 
 TEST_F(TerrainJournal, TenThousandEditsComeBackByteForByte) {
-  TerrainSettings settings;
+  DestructibleTerrainSettings settings;
   settings.polygons = false;  // half the work, and other tests compare them
   DestructibleTerrain terrain = hills(settings);
   terrain.record(file);
@@ -130,7 +130,7 @@ TEST_F(TerrainJournal, BelongsToOneTerrain) {
   DestructibleTerrain terrain = hills({});
   terrain.explode({0, 0, 0}, 3, 4);
   terrain.save(file);
-  TerrainSettings deeper;
+  DestructibleTerrainSettings deeper;
   deeper.band = 3;
   for (DestructibleTerrain* other :
        {new DestructibleTerrain(hills(deeper)), new DestructibleTerrain(hills({}, volume::Precision::half)),

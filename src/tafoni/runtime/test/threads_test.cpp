@@ -15,10 +15,6 @@
 namespace tafoni::runtime {
 namespace {
 
-struct Order {
-  bool operator()(Vec3i a, Vec3i b) const { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
-};
-
 /// What a renderer does: keeps its own copy of every chunk up to date.
 class Mirror {
  public:
@@ -26,11 +22,12 @@ class Mirror {
     const auto changes = terrain.changes_since(version_);
     EXPECT_GE(changes.version, version_);
     version_ = changes.version;
-    for (const Vec3i c : changes.chunks) {
-      const Chunk chunk = terrain.chunk(c);
-      EXPECT_GE(chunk.version, last_[c]);
-      last_[c] = chunk.version;
-      chunks_[c] = chunk.mesh;
+    for (const surface::ChunkChange& change : changes.chunks) {
+      const TerrainChunk chunk = terrain.chunk(change.chunk);
+      EXPECT_GE(chunk.version, change.version);  // or of an edit since
+      EXPECT_GE(chunk.version, last_[change.chunk]);
+      last_[change.chunk] = chunk.version;
+      chunks_[change.chunk] = chunk.mesh;
     }
   }
   void expect_same(const Snapshot& snapshot) const {
@@ -41,8 +38,8 @@ class Mirror {
 
  private:
   std::uint64_t version_ = 0;
-  std::map<Vec3i, std::uint64_t, Order> last_;
-  std::map<Vec3i, surface::GridChunkPtr, Order> chunks_;
+  std::map<Vec3i, std::uint64_t, surface::ChunkOrder> last_;
+  std::map<Vec3i, surface::GridChunkPtr, surface::ChunkOrder> chunks_;
 };
 
 /// What players do: everything that a snapshot says must fit together.
@@ -60,7 +57,7 @@ void look(const Snapshot& now, Random& r) {
     EXPECT_FALSE(now.overlaps(query::Sphere{ball.center + slide.moved, ball.radius}));
   }
   const auto chunks = now.chunks();
-  const Chunk chunk = now.chunk(chunks[r.below(chunks.size())]);
+  const TerrainChunk chunk = now.chunk(chunks[r.below(chunks.size())]);
   EXPECT_LE(chunk.version, now.version());
   const Box3d box = now.grid().frame().box();  // its walls lie beyond
   for (const Vec3f& p : chunk.mesh->positions)

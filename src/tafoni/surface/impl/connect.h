@@ -5,13 +5,10 @@
 #include <unordered_set>
 #include <vector>
 
+#include "tafoni/surface/chunk.h"
 #include "tafoni/surface/impl/piece.h"
 
 namespace tafoni::surface::impl {
-
-struct ChunkHash {
-  std::size_t operator()(const Vec3i& c) const { return LatticeEdgeHash()({c, 0}); }
-};
 
 /// The components of a surface, piece by piece. Keeps a record of every part and what the pieces not yet
 /// added will need, not the meshes.

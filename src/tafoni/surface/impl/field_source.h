@@ -2,6 +2,7 @@
 // A compiled field as the polygonizer takes it.
 
 #include "tafoni/field/chunks.h"
+#include "tafoni/surface/sample_source.h"
 #include "tafoni/surface/source.h"
 
 namespace tafoni::surface::impl {

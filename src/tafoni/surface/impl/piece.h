@@ -14,7 +14,7 @@
 #include "tafoni/surface/impl/arena.h"
 #include "tafoni/surface/impl/block.h"
 #include "tafoni/surface/impl/lattice.h"
-#include "tafoni/surface/source.h"
+#include "tafoni/surface/sample_source.h"
 
 namespace tafoni::surface::impl {
 
@@ -31,9 +31,8 @@ struct LatticeEdge {
 };
 struct LatticeEdgeHash {
   std::size_t operator()(const LatticeEdge& e) const {
-    const auto u = [](std::int32_t v) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(v)); };
-    return hash_combine(u(e.at.x) | (u(e.at.y) << 32),
-                        u(e.at.z) | (static_cast<std::uint64_t>(e.axis) << 32));
+    const std::uint32_t x = e.at.x, y = e.at.y, z = e.at.z, axis = e.axis;
+    return hash_combine(x | std::uint64_t{y} << 32, z | std::uint64_t{axis} << 32);
   }
 };
 struct CornerVertex {

@@ -12,7 +12,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
-#include "tafoni/surface/dense.h"
+#include "tafoni/surface/dense_grid.h"
 #include "tafoni/volume/edit.h"
 
 namespace tafoni::surface {
@@ -353,7 +353,7 @@ TEST(GridMesher, HeldMeshesStayAsTheyWere) {
   // All rock is gone, and every chunk that had some says so.
   EXPECT_TRUE(mesher.chunks().empty());
   EXPECT_TRUE(mesher.chunk(at)->triangles.empty());
-  EXPECT_NE(std::find(changes.begin(), changes.end(), GridMesher::Change{at, 2}), changes.end());
+  EXPECT_NE(std::find(changes.begin(), changes.end(), ChunkChange{at, 2}), changes.end());
   EXPECT_TRUE(mesher.assemble().triangles.empty());
 }
 

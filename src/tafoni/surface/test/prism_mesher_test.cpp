@@ -158,7 +158,7 @@ TEST(PrismMesh, VolumeIsThatOfTheColumns) {
   EXPECT_NEAR(mesh::metrics(mesh).volume, sum, 0.02 * sum);
 }
 
-bool same(const PrismChunk& x, const PrismChunk& y) {
+bool same(const PrismChunkMesh& x, const PrismChunkMesh& y) {
   return x.positions == y.positions && x.normals == y.normals && x.surfaces == y.surfaces &&
          x.triangles == y.triangles;
 }
@@ -166,13 +166,21 @@ bool same(const PrismChunk& x, const PrismChunk& y) {
 /// Those with a cell from three columns below the changed ones to two above, of wide x high chunks. A
 /// column's air makes the seams of the columns around it; the cells at these change, and normals a cell
 /// further.
-std::vector<PrismMesher::ChunkIndex> chunks_near(const ColumnBox& changed, int wide, int high) {
-  std::vector<PrismMesher::ChunkIndex> out;
+std::vector<Vec3i> chunks_near(const ColumnBox& changed, int wide, int high) {
+  std::vector<Vec3i> out;
   for (int b = 0; b < high; ++b)
     for (int a = 0; a < wide; ++a)
       if (!changed.empty() && 16 * a <= changed.i1 + 2 && 16 * a + 15 >= changed.i0 - 3 &&
           16 * b <= changed.j1 + 2 && 16 * b + 15 >= changed.j0 - 3)
-        out.push_back({a, b});
+        out.push_back({a, b, 0});
+  return out;
+}
+
+/// Every chunk of a mesher, by its name.
+std::map<std::array<int, 2>, PrismChunkMesh> copy_chunks(const PrismMesher& mesher) {
+  std::map<std::array<int, 2>, PrismChunkMesh> out;
+  for (int b = 0; b < mesher.chunks_y(); ++b)
+    for (int a = 0; a < mesher.chunks_x(); ++a) out[{b, a}] = mesher.chunk({a, b, 0});
   return out;
 }
 
@@ -196,8 +204,8 @@ TEST(PrismMesh, ColumnsReachThreeCellsDownAndTwoUp) {
     const std::vector<Matter> now{{0, cut}, {cut + 0.5f, 10}};
     fields.set_column(i, static_cast<int>(random.below(9)), std::span(now).first(random.below(3)));
     after.update(fields, {});
-    above[16 - i] += !same(before.chunk({1, 0}), after.chunk({1, 0}));
-    below[i - 15] += !same(before.chunk({0, 0}), after.chunk({0, 0}));
+    above[16 - i] += !same(before.chunk({1, 0, 0}), after.chunk({1, 0, 0}));
+    below[i - 15] += !same(before.chunk({0, 0, 0}), after.chunk({0, 0, 0}));
   }
   EXPECT_GT(above[2], 0);
   EXPECT_EQ(above[3] + above[4] + above[5], 0);
@@ -212,17 +220,33 @@ TEST(PrismMesh, ChunksAreWhatAFullUpdateMakes) {
   PrismMesher kept;
   EXPECT_EQ(kept.update(fields, {}).size(), 7u * 5);
   Random random(23);
+  std::size_t unchanged = 0;
   for (int n = 0; n < 300; ++n) {
     const ColumnBox changed =
         fields.apply(volume::random_tool(random, room), n % 3 ? Edit::remove : Edit::add);
-    EXPECT_THAT(kept.update(fields, changed), ElementsAreArray(chunks_near(changed, 7, 5))) << n;
+    const auto before = copy_chunks(kept);
+    const auto changes = kept.update(fields, changed);
+    // It names those that differ from before, in order, and they are near.
+    const std::uint64_t version = 2 + static_cast<std::uint64_t>(n);
+    std::vector<ChunkChange> differing;
+    for (const auto& [name, was] : before) {
+      const Vec3i at{name[1], name[0], 0};
+      if (!same(was, kept.chunk(at))) differing.push_back({at, version});
+      ASSERT_EQ(kept.chunk(at).version, same(was, kept.chunk(at)) ? was.version : version) << n;
+    }
+    ASSERT_EQ(changes, differing) << n;
+    const std::vector<Vec3i> near = chunks_near(changed, 7, 5);
+    for (const ChunkChange& change : changes) EXPECT_THAT(near, ::testing::Contains(change.chunk)) << n;
+    unchanged += near.size() - changes.size();
     if (n % 20) continue;
     PrismMesher fresh;
     fresh.update(fields, {});
     for (int b = 0; b < fresh.chunks_y(); ++b)
       for (int a = 0; a < fresh.chunks_x(); ++a)
-        ASSERT_TRUE(same(kept.chunk({a, b}), fresh.chunk({a, b}))) << n << ": " << a << ", " << b;
+        ASSERT_TRUE(same(kept.chunk({a, b, 0}), fresh.chunk({a, b, 0}))) << n << ": " << a << ", " << b;
   }
+
+  EXPECT_GT(unchanged, 0u);
 
   // Together the chunks are the surface: as many triangles, and on seams the same positions and normals.
   const mesh::Mesh whole = polygonize(fields);
@@ -230,7 +254,7 @@ TEST(PrismMesh, ChunksAreWhatAFullUpdateMakes) {
   std::map<std::array<float, 3>, Vec3f> seen[3];
   for (int b = 0; b < kept.chunks_y(); ++b)
     for (int a = 0; a < kept.chunks_x(); ++a) {
-      const PrismChunk& c = kept.chunk({a, b});
+      const PrismChunkMesh& c = kept.chunk({a, b, 0});
       triangles += c.triangles.size();
       for (std::size_t v = 0; v < c.positions.size(); ++v) {
         const Vec3f p = c.positions[v];
@@ -307,6 +331,24 @@ TEST(PrismMesh, ColoursByKindOfSurface) {
       EXPECT_GT(mesh.colors[v][2], 0);
     }
   }
+}
+
+TEST(PrismMesh, NamesTheChunksWithTrianglesAndShowsNoneBeyond) {
+  const ColumnFrame frame{{}, 1, 1, 40, 20};
+  PrismFields fields(frame);
+  PrismMesher mesher;
+  EXPECT_THAT(mesher.chunk({0, 0, 0}).triangles, ::testing::IsEmpty());  // before the first update, too
+  EXPECT_TRUE(mesher.update(fields, {}).empty());
+  const ColumnBox changed = fields.apply(Tool::sphere({36, 4, 0}, 2), Edit::add);
+  EXPECT_THAT(mesher.update(fields, changed), ElementsAre(ChunkChange{{2, 0, 0}, 2}));
+  EXPECT_THAT(mesher.chunks(), ElementsAre(Vec3i{2, 0, 0}));
+  EXPECT_FALSE(mesher.chunk({2, 0, 0}).triangles.empty());
+  for (const Vec3i at : {Vec3i{3, 0, 0}, Vec3i{0, 2, 0}, Vec3i{-1, 0, 0}, Vec3i{2, 0, 1}})
+    EXPECT_TRUE(mesher.chunk(at).triangles.empty());
+  // One that loses its last triangle is named once more.
+  const ColumnBox gone = fields.apply(Tool::sphere({36, 4, 0}, 9), Edit::remove);
+  EXPECT_THAT(mesher.update(fields, gone), ElementsAre(ChunkChange{{2, 0, 0}, 3}));
+  EXPECT_THAT(mesher.chunks(), ElementsAre());
 }
 
 TEST(PrismMesh, RefusesAnotherFrame) {

@@ -1,6 +1,6 @@
 // After any sequence of edits the mesh is the one that polygonize() makes, byte for byte.
 
-#include "tafoni/surface/incremental.h"
+#include "tafoni/surface/incremental_mesher.h"
 
 #include <cmath>
 #include <cstring>
@@ -277,7 +277,7 @@ TEST(Incremental, AChunkIsAMeshOfItsOwn) {
   mesher.update(field::compile(hills()), {});
   std::size_t triangles = 0;
   for (Vec3i at : mesher.chunks()) {
-    const ChunkMesh mesh = mesher.chunk(at);
+    const ChunkView mesh = mesher.chunk(at);
     EXPECT_EQ(mesh.version, 1u);
     EXPECT_EQ(mesh.normals.size(), mesh.positions.size());
     const double side = settings.voxel * field::chunk_cells;

@@ -1,4 +1,4 @@
-#include "tafoni/surface/dense.h"
+#include "tafoni/surface/dense_grid.h"
 
 #include <numbers>
 

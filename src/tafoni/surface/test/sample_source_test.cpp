@@ -1,4 +1,4 @@
-#include "tafoni/surface/source.h"
+#include "tafoni/surface/sample_source.h"
 
 #include <atomic>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "tafoni/surface/source.h"
+#include "tafoni/surface/sample_source.h"
 
 #include "tafoni/surface/impl/field_source.h"
 #include "tafoni/surface/polygonize.h"

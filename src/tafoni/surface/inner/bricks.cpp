@@ -1,4 +1,4 @@
-#include "tafoni/surface/bricks.h"
+#include "tafoni/surface/inner/bricks.h"
 
 #include <cstring>
 

@@ -7,19 +7,14 @@
 #include <span>
 #include <vector>
 
+#include "tafoni/surface/chunk.h"
 #include "tafoni/surface/polygonize.h"
 
 namespace tafoni::surface {
 
-/// The mesh of one chunk, complete in itself: vertices on its faces are repeated in the neighbours, bit for
-/// bit. Positions are local. Pieces that assemble() removes for being small are still there. Valid until the
-/// next update().
-struct ChunkMesh {
-  std::span<const Vec3f> positions, normals;
-  std::span<const std::array<std::uint32_t, 3>> triangles;
-  std::uint64_t version = 0;  ///< of the update that changed it last
-};
-
+/// Chunks (chunk.h) have field::chunk_cells cells a side; their positions are local metres. Pieces of surface
+/// that assemble() removes for being small are still in them.
+///
 /// Not for several threads at once, but works on several itself. Holds about 40 bytes a vertex and triangle
 /// and 70 KB a chunk with surface, no samples.
 class IncrementalMesher {
@@ -30,19 +25,14 @@ class IncrementalMesher {
   IncrementalMesher(const IncrementalMesher&) = delete;
   IncrementalMesher& operator=(const IncrementalMesher&) = delete;
 
-  struct Change {
-    Vec3i chunk;
-    std::uint64_t version;
-  };
-  /// Makes the mesh that of `now`. Outside of the boxes (local metres, closed) values and gradients must be
-  /// bit for bit those of the last update's field; the first update looks at everything. Returns the chunks
-  /// whose mesh changed, sorted; one that lost its last triangle is among them. Versions count updates.
-  /// After an error or a cancel the next update looks at everything.
-  std::vector<Change> update(const field::CompiledField& now, std::span<const Box3d> changed,
-                             Progress& progress = silent());
+  /// Keeps the contract of chunk.h. Outside of the boxes (local metres, closed) values and gradients of `now`
+  /// must be bit for bit those of the last update's field. After an error or a cancel the next update looks
+  /// at everything.
+  std::vector<ChunkChange> update(const field::CompiledField& now, std::span<const Box3d> changed,
+                                  Progress& progress = silent());
 
-  /// The chunk's mesh; empty where there is no surface.
-  ChunkMesh chunk(Vec3i chunk) const;
+  /// The chunk's mesh; empty where there is no surface. Valid until the next update().
+  ChunkView chunk(Vec3i chunk) const;
   /// Every chunk with triangles, sorted.
   std::vector<Vec3i> chunks() const;
 

@@ -1,11 +1,10 @@
-#include "tafoni/surface/incremental.h"
+#include "tafoni/surface/incremental_mesher.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <mutex>
 #include <optional>
-#include <tuple>
 #include <unordered_map>
 
 #include "tafoni/core/error.h"
@@ -28,10 +27,7 @@ constexpr int samples = n + 1;
 constexpr std::size_t row_words = 2;
 constexpr int far = (1 << 30) - 1;  ///< beyond every cell, yet differences fit an int
 
-/// Orders chunks as the assembled mesh has them.
-bool before(Vec3i a, Vec3i b) {
-  return std::tie(a.y, a.x, a.z) < std::tie(b.y, b.x, b.z);
-}
+constexpr ChunkOrder before{};
 
 /// What is held of a chunk: its piece, in memory of its own, and what the next piece is made from.
 struct Chunk {
@@ -130,7 +126,7 @@ struct Worker {
 struct IncrementalMesher::State {
   PolygonizeSettings settings;
   std::optional<CellSet> cells;
-  std::unordered_map<Vec3i, std::unique_ptr<Chunk>, impl::ChunkHash> chunks;
+  std::unordered_map<Vec3i, std::unique_ptr<Chunk>, ChunkHash> chunks;
   std::uint64_t version = 0;
   bool complete = false;  ///< chunks is the mesh of the last update's field
   Stats stats;
@@ -143,7 +139,7 @@ struct IncrementalMesher::State {
   std::vector<SampleBox> lattice_boxes(std::span<const Box3d> changed) const;
   std::vector<Vec3i> candidates(const field::CompiledField& now, Vec3i first, Vec3i last);
   void remake(Worker& worker, Job& job);
-  std::vector<Change> collect(std::span<const Job> jobs);
+  std::vector<ChunkChange> collect(std::span<const Job> jobs);
 
   template <class Body>
   void with_worker(const field::CompiledField& now, const Body& body) {
@@ -299,16 +295,15 @@ void IncrementalMesher::State::remake(Worker& worker, Job& job) {
 }
 
 /// Drops chunks without active bricks and lists what differs.
-std::vector<IncrementalMesher::Change> IncrementalMesher::State::collect(std::span<const Job> jobs) {
-  std::vector<Change> out;
+std::vector<ChunkChange> IncrementalMesher::State::collect(std::span<const Job> jobs) {
+  std::vector<ChunkChange> out;
   for (const Job& job : jobs) {
     if (job.differs) out.push_back({job.chunk, version});
     const bool any = std::any_of(std::begin(job.held->active), std::end(job.held->active),
                                  [](std::uint64_t bricks) { return bricks != 0; });
     if (!any) chunks.erase(job.chunk);
   }
-  std::sort(out.begin(), out.end(),
-            [](const Change& a, const Change& b) { return before(a.chunk, b.chunk); });
+  std::sort(out.begin(), out.end(), before);
   return out;
 }
 
@@ -317,9 +312,8 @@ IncrementalMesher::IncrementalMesher(const PolygonizeSettings& settings) : state
 }
 IncrementalMesher::~IncrementalMesher() = default;
 
-std::vector<IncrementalMesher::Change> IncrementalMesher::update(const field::CompiledField& now,
-                                                                 std::span<const Box3d> changed,
-                                                                 Progress& progress) {
+std::vector<ChunkChange> IncrementalMesher::update(const field::CompiledField& now,
+                                                   std::span<const Box3d> changed, Progress& progress) {
   State& s = *state_;
   s.rest();
   const bool same_cells = s.choose_cells(now.bounds());
@@ -329,7 +323,7 @@ std::vector<IncrementalMesher::Change> IncrementalMesher::update(const field::Co
   s.stats = {};
   const SampleBox everything{{-far, -far, -far}, {far, far, far}};
   auto jobs = partial ? s.touched(now, s.lattice_boxes(changed)) : s.touched(now, {&everything, 1});
-  std::vector<Change> gone;
+  std::vector<ChunkChange> gone;
   if (!partial) {
     // Chunks that the cells no longer reach.
     std::vector<Vec3i> kept;
@@ -362,13 +356,12 @@ std::vector<IncrementalMesher::Change> IncrementalMesher::update(const field::Co
   s.rest();
   auto out = s.collect(jobs);
   out.insert(out.end(), gone.begin(), gone.end());
-  std::sort(out.begin(), out.end(),
-            [](const Change& a, const Change& b) { return before(a.chunk, b.chunk); });
+  std::sort(out.begin(), out.end(), before);
   s.complete = true;
   return out;
 }
 
-ChunkMesh IncrementalMesher::chunk(Vec3i chunk) const {
+ChunkView IncrementalMesher::chunk(Vec3i chunk) const {
   const auto found = state_->chunks.find(chunk);
   if (found == state_->chunks.end()) return {};
   const Chunk& c = *found->second;
