@@ -10,6 +10,7 @@
 #include "tafoni/io/format.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/scene/document/document.h"
+#include "tafoni/scene/layers/layer.h"
 #include "tafoni/scene/sculpt/brush.h"
 #include "tafoni/terrain/generator.h"
 
@@ -66,43 +67,34 @@ Topic rocks() {
   return out;
 }
 
+/// Each type of layer that no other topic shows.
+void add_layers(Topic& topic) {
+  for (const scene::LayerKind* kind : scene::all_layers()) {
+    if (!kind->listed_as.empty()) continue;
+    for (const scene::LayerType& type : kind->types)
+      topic.entries.push_back({fmt::format("[[layer]] type = \"{}\"", type.about.name),
+                               type.about.doc,
+                               type.about.source,
+                               {},
+                               type.about.params,
+                               {}});
+  }
+}
+
 Topic sections() {
   Topic out{"scene", "Sections of a scene file", {}};
-  out.entries.push_back({"[scene]", "What holds for the whole scene", {}, {}, scene::scene_params(), {}});
-  out.entries.push_back(
-      {"[terrain]", "The elevation model and its field", {}, {}, scene::terrain_params(), {}});
-  out.entries.push_back(
-      {"[[geology]]",
-       "What every geology can say besides its type and the type's own parameters; several are blended, and "
-       "[[geology.of]] nests one in another",
-       {},
-       {},
-       scene::geology_params(),
-       {}});
-  out.entries.push_back({"[[layer]]",
-                         "What every layer can say besides its type and the type's own parameters",
-                         {},
-                         {},
-                         scene::layer_params(),
-                         {}});
-  out.entries.push_back({"[[layer]] type = \"primitives\"",
-                         "Explicit primitives from a file",
-                         "DESIGN section 6",
-                         {},
-                         scene::params_of_layer(scene::primitives_layer),
-                         {}});
-  out.entries.push_back({"[[layer]] type = \"sculpt\"",
-                         "Strokes of brushes, from a text file and from a journal",
-                         "[Paris19 §3.2, §8.2]",
-                         {},
-                         scene::params_of_layer(scene::sculpt_layer),
-                         {}});
-  out.entries.push_back({"[[layer]] type = \"volume\"",
-                         "A sampled volume from a file",
-                         "[Ju01], [Ruths01]",
-                         {},
-                         scene::params_of_layer(scene::volume_layer),
-                         {}});
+  const auto add = [&](const char* name, const char* doc, const std::vector<ParamInfo>& params) {
+    out.entries.push_back({name, doc, {}, {}, params, {}});
+  };
+  add("[scene]", "What holds for the whole scene", scene::scene_params());
+  add("[terrain]", "The elevation model and its field", scene::terrain_params());
+  add("[[geology]]",
+      "What every geology can say besides its type and the type's own parameters; several are blended, and "
+      "[[geology.of]] nests one in another",
+      scene::geology_params());
+  add("[[layer]]", "What every layer can say besides its type and the type's own parameters",
+      scene::layer_params());
+  add_layers(out);
   return out;
 }
 

@@ -40,7 +40,7 @@ void SceneOptions::declare(Args& args) {
 
 void SceneOptions::apply(scene::Document& document) const {
   if (!dem.empty()) {
-    const scene::TerrainSettings own = document.terrain;
+    const scene::TerrainSection own = document.terrain;
     document.terrain = {};
     document.terrain.source = fs::absolute(dem).string();
     document.terrain.influence = own.influence;
@@ -106,7 +106,7 @@ scene::Document open_document(const std::string& path) {
 std::vector<fs::path> inputs_of(const scene::Document& document) {
   std::vector<fs::path> out;
   const auto add = [&](const std::string& path) {
-    if (!path.empty()) out.push_back(document.resolved(path));
+    if (!path.empty()) out.push_back(document.resolve(path));
   };
   add(document.terrain.source);
   add(document.terrain.domain);

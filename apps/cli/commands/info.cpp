@@ -203,7 +203,7 @@ int run(const std::string& file, Console& console) {
   Json json = scene_json(document);
   std::string text = scene_text(document);
   if (!document.terrain.source.empty()) {
-    const std::string source = document.resolved(document.terrain.source).string();
+    const std::string source = document.resolve(document.terrain.source).string();
     const auto [own, lines] = source_of(source, static_cast<int>(document.terrain.band), console);
     json["source"] = own;
     text += lines;

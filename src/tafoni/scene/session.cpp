@@ -6,13 +6,22 @@
 #include <utility>
 
 #include "tafoni/core/error.h"
-#include "tafoni/io/csv.h"
 #include "tafoni/scene/build/impl/builder.h"
+#include "tafoni/scene/layers/layer.h"
 #include "tafoni/scene/sculpt/impl/sculpt.h"
+#include "tafoni/scene/sculpt/impl/stroke_files.h"
 
 namespace tafoni::scene {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<impl::Slot> read_slots(const impl::File& file, Progress&) {
+  return impl::read_strokes(file.path);
+}
+
+}  // namespace
 
 struct Session::State {
   Document document;
@@ -25,40 +34,29 @@ struct Session::State {
   const void* meshed_inside = nullptr;                ///< the same, of the domain's mask
   std::vector<Box3d> unmeshed;                        ///< changed since the mesher's last update
   impl::FileDigests files;
-  impl::Recent<std::pair<fs::path, impl::Digest>, std::vector<impl::Slot>> texts{16};
+  impl::Memo<std::vector<impl::Slot>, Progress, impl::File> texts{16, &read_slots};
 
   const Layer& sculpt(std::size_t index) const {
-    if (index >= document.layers.size() || document.layers[index].type != scene::sculpt_layer)
+    if (index >= document.layers.size() || !find_layer_type(document.layers[index].type).takes_strokes)
       fail(ErrorKind::usage, "layer {} takes no strokes; only a sculpt layer does", index);
     return document.layers[index];
   }
 
-  static std::string value(const Layer& layer, std::string_view name) {
-    const auto found = layer.values.find(name);
-    return found == layer.values.end() ? std::string() : std::get<std::string>(found->second);
-  }
-
   /// Null for a layer without one.
   Journal* journal(const Layer& layer) {
-    const std::string path = value(layer, "journal");
+    const std::string path = impl::stroke_files(layer).journal;
     if (path.empty()) return nullptr;
-    const fs::path resolved = document.resolved(path);
+    const fs::path resolved = document.resolve(path);
     const auto found = journals.find(resolved);
     if (found != journals.end()) return &found->second;
     return &journals.emplace(resolved, Journal::open(resolved)).first->second;
   }
 
-  const std::vector<impl::Slot>& text_slots(const Layer& layer) {
-    static const std::vector<impl::Slot> none;
-    const std::string path = value(layer, "strokes");
-    if (path.empty()) return none;
-    const fs::path resolved = document.resolved(path);
-    return texts.get({resolved, files.of(resolved)}, [&] {
-      std::vector<impl::Slot> out;
-      for (Stroke& stroke : parse_strokes(io::read_text(resolved), resolved.string()))
-        out.push_back({std::make_shared<Stroke>(std::move(stroke)), false});
-      return out;
-    });
+  std::vector<impl::Slot> text_slots(const Layer& layer) {
+    const std::string path = impl::stroke_files(layer).strokes;
+    if (path.empty()) return {};
+    const fs::path resolved = document.resolve(path);
+    return texts({resolved, files.of(resolved)}, silent()).value;
   }
 
   std::vector<impl::Slot> slots(const Layer& layer) {
@@ -73,8 +71,9 @@ struct Session::State {
     for (int n = 1;; ++n) {
       const std::string name = fmt::format("{}.{}{}.journal", file.stem().string(), shown_name(layer),
                                            n > 1 ? fmt::format("-{}", n) : "");
-      const bool used = std::any_of(document.layers.begin(), document.layers.end(),
-                                    [&](const Layer& other) { return value(other, "journal") == name; });
+      const bool used = std::any_of(document.layers.begin(), document.layers.end(), [&](const Layer& other) {
+        return impl::stroke_files(other).journal == name;
+      });
       const fs::path path = file.parent_path() / name;
       std::error_code code;
       if (!used && (!fs::exists(path, code) || Journal::open(path).history().empty())) return name;
@@ -168,13 +167,13 @@ std::size_t Session::sculpt_layer(std::string_view name) {
   const auto& layers = state_->document.layers;
   for (std::size_t i = layers.size(); i-- > 0;) {
     if (!name.empty() && layers[i].settings.name != name) continue;
-    if (layers[i].type == scene::sculpt_layer) return i;
+    if (find_layer_type(layers[i].type).takes_strokes) return i;
     if (!name.empty())
       fail(ErrorKind::usage, "the layer {} is of type {}, which takes no strokes; choose another name", name,
            layers[i].type);
   }
   Layer layer;
-  layer.type = scene::sculpt_layer;
+  layer.type = stroke_layer_type().about.name;
   layer.settings.name = name;
   return add_layer(std::move(layer));
 }
@@ -210,12 +209,12 @@ void Session::stroke(std::size_t layer, std::span<const Stroke> strokes) {
     Journal made = Journal::open_or_create(path);
     Document document = s.document;
     const fs::path relative =
-        document.resolved(name) == path.lexically_normal() ? fs::path(name) : fs::absolute(path);
-    document.layers[layer].values["journal"] = relative.string();
+        document.resolve(name) == path.lexically_normal() ? fs::path(name) : fs::absolute(path);
+    impl::set_journal(document.layers[layer], relative.string());
     save_scene(document, s.file);
     s.document = load_scene(s.file);
     journal =
-        &s.journals.insert_or_assign(s.document.resolved(relative.string()), std::move(made)).first->second;
+        &s.journals.insert_or_assign(s.document.resolve(relative.string()), std::move(made)).first->second;
   }
   journal->append(strokes);
 }

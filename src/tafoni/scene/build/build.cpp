@@ -5,6 +5,7 @@
 
 #include "tafoni/core/random.h"
 #include "tafoni/scene/build/impl/builder.h"
+#include "tafoni/scene/sculpt/impl/stroke_files.h"
 
 namespace tafoni::scene {
 

@@ -6,6 +6,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/io/csv.h"
 #include "tafoni/scene/document/impl/types.h"
+#include "tafoni/scene/layers/layer.h"
 
 namespace tafoni::scene {
 
@@ -27,7 +28,7 @@ const std::vector<ParamInfo>& scene_params() {
 }
 
 const std::vector<ParamInfo>& terrain_params() {
-  using S = TerrainSettings;
+  using S = TerrainSection;
   static const std::vector<ParamInfo> params =
       ParamTable<S>()
           .text("source", &S::source,
@@ -107,13 +108,9 @@ std::vector<std::string*> paths_of(Layer& layer) {
   add(s.region);
   if (painted_mask(layer).empty()) add(s.mask);
   add(s.points);
-  // The own parameters of a layer that is no landform are its files.
-  if (layer.type == primitives_layer || layer.type == sculpt_layer)
-    for (auto& [name, value] : layer.values)
-      if (auto* path = std::get_if<std::string>(&value)) add(*path);
-  if (layer.type == volume_layer)
-    if (const auto file = layer.values.find("file"); file != layer.values.end())
-      add(std::get<std::string>(file->second));
+  for (const std::string& name : find_layer_type(layer.type).paths)
+    if (const auto found = layer.values.find(name); found != layer.values.end())
+      add(std::get<std::string>(found->second));
   return out;
 }
 
@@ -124,7 +121,7 @@ std::vector<std::string> paths_of(const Layer& layer) {
   return out;
 }
 
-std::filesystem::path Document::resolved(const std::string& path) const {
+std::filesystem::path Document::resolve(const std::string& path) const {
   const std::filesystem::path p(path);
   return (p.is_absolute() || directory.empty() ? p : directory / p).lexically_normal();
 }
@@ -139,6 +136,14 @@ bool same_settings(const std::vector<ParamInfo>& infos, const void* a, const voi
 bool same_geology(const GeologySettings& a, const GeologySettings& b) {
   return a.type == b.type && a.values == b.values && same_settings(geology_params(), &a, &b) &&
          std::equal(a.of.begin(), a.of.end(), b.of.begin(), b.of.end(), same_geology);
+}
+
+/// "a, b and c".
+std::string enumerate(const std::vector<std::string>& names) {
+  std::string out;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    out += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  return out;
 }
 
 }  // namespace
@@ -160,7 +165,7 @@ bool same(const Document& a, const Document& b) {
 }
 
 void check(const Document& document, std::string_view where) {
-  const TerrainSettings& t = document.terrain;
+  const TerrainSection& t = document.terrain;
   if (t.source.empty() && t.generator.empty())
     fail(ErrorKind::input, "{}: [terrain] needs a source (a path) or a generator", where);
   if (!t.source.empty() && !t.generator.empty())
@@ -187,15 +192,15 @@ void check(const Document& document, std::string_view where) {
     if (!s.box.empty() && (s.box[0] > s.box[3] || s.box[1] > s.box[4] || s.box[2] > s.box[5]))
       fail(ErrorKind::input, "{}: box = {} of layer {} is empty; it is west, south, bottom, east, north, top",
            at, to_toml(s.box), layer.type);
-    if (layer.type == primitives_layer && !layer.values.contains("file"))
-      fail(ErrorKind::input, "{}: a primitives layer needs file, the path of a CSV", at);
-    if (layer.type != volume_layer) continue;
-    if (!layer.values.contains("file"))
-      fail(ErrorKind::input, "{}: a volume layer needs file, the path of a .tvol or .vdb", at);
-    if (!s.region.empty() || !s.mask.empty() || !s.altitude.empty() || !s.box.empty() || !s.points.empty())
-      fail(ErrorKind::input,
-           "{}: a volume layer acts where its volume is; leave out region, mask, altitude, box and points",
-           at);
+    const LayerType& type = find_layer_type(layer.type);
+    for (const auto& [name, what] : type.needs)
+      if (!layer.values.contains(name))
+        fail(ErrorKind::input, "{}: a {} layer needs {}, {}", at, layer.type, name, what);
+    for (const std::string& name : type.leaves_out)
+      if (const ParamInfo& info = find_param(layer_params(), name, at); info.load(info, &s) != info.init)
+        fail(ErrorKind::input, "{}: a {} layer {}; leave out {}", at, layer.type, type.because,
+             enumerate(type.leaves_out));
+    if (type.check) type.check(layer, at);
   }
 }
 
@@ -246,7 +251,7 @@ void set(Document& document, std::string_view assignment) {
   if (target == "scene")
     return set_value(scene_params(), &document.scene, none, no_values, name, text, where);
   if (target == "terrain") {
-    TerrainSettings& t = document.terrain;
+    TerrainSection& t = document.terrain;
     return set_value(terrain_params(), &t,
                      t.generator.empty() ? none : impl::params_of_generator(t.generator), t.values, name,
                      text, where);

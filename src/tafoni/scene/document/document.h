@@ -23,7 +23,7 @@ struct SceneSettings {
 const std::vector<ParamInfo>& scene_params();
 
 /// [terrain]. Either `source` or `generator` is set in a document that can be built.
-struct TerrainSettings {
+struct TerrainSection {
   std::string source;          ///< path, as the scene file says it; of a volume, its upper surface is taken
   std::string generator;       ///< a registered generator; `values` are its parameters
   std::vector<double> window;  ///< column, row, width, height in pixels of the source; empty: all
@@ -69,18 +69,15 @@ struct LayerSettings {
 };
 const std::vector<ParamInfo>& layer_params();
 
-/// One [[layer]]: a landform by name, "primitives" with the path of a CSV, "sculpt" with strokes, or "volume"
-/// with the path of a volume.
+/// One [[layer]].
 struct Layer {
-  std::string type;
+  std::string type;  ///< a registered one (layers/layer.h): every landform, and more
   LayerSettings settings;
   Values values;
   int line = 0;  ///< of its header in Document::text; 0: not from there
 };
 /// The parameters of a layer type beyond layer_params(). Throws Error{usage} naming the nearest known type.
 const std::vector<ParamInfo>& params_of_layer(std::string_view type);
-inline constexpr std::string_view primitives_layer = "primitives", sculpt_layer = "sculpt",
-                                  volume_layer = "volume";
 /// What messages call a layer: its name or else its type.
 const std::string& shown_name(const Layer& layer);
 /// The paths of files that a layer names, for reading or changing them. None is empty.
@@ -93,12 +90,12 @@ struct Document {
   std::filesystem::path directory;  ///< what relative paths are relative to
   std::string file;                 ///< for messages; empty for a new one
   SceneSettings scene;
-  TerrainSettings terrain;
+  TerrainSection terrain;
   std::vector<GeologySettings> geology;
   std::vector<Layer> layers;
   std::string text;  ///< what it was read from, comments and all; empty for a new one
 
-  std::filesystem::path resolved(const std::string& path) const;
+  std::filesystem::path resolve(const std::string& path) const;
 };
 /// "FILE:LINE: " of a layer that was read from there; else empty.
 std::string place_of(const Document& document, const Layer& layer);
@@ -120,8 +117,8 @@ void save_scene(const Document& document, const std::filesystem::path& file);
 /// nested or not; all that match are set. Throws Error{usage}.
 void set(Document& document, std::string_view assignment);
 
-/// Checks what no single key can say: R <= 3T, source or generator, low < high. Throws Error{input}
-/// beginning with `where`.
+/// Checks what no single key can say: R <= 3T, source or generator, low < high, what a type of layer needs.
+/// Throws Error{input} beginning with `where`.
 void check(const Document& document, std::string_view where);
 
 }  // namespace tafoni::scene

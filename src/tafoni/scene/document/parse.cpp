@@ -199,7 +199,7 @@ class Reader {
   const std::filesystem::path& file_;
 };
 
-void read_terrain(const Reader& reader, const toml::table& table, TerrainSettings& terrain,
+void read_terrain(const Reader& reader, const toml::table& table, TerrainSection& terrain,
                   const std::filesystem::path& file) {
   static const std::vector<ParamInfo> none;
   const std::vector<ParamInfo>* own = &none;

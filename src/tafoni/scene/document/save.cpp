@@ -30,7 +30,7 @@ const Values no_values;
 View view(const SceneSettings& scene) {
   return {"[scene]", {}, scene_params(), {}, &scene, &no_values, 0};
 }
-View view(const TerrainSettings& terrain) {
+View view(const TerrainSection& terrain) {
   std::vector<ParamInfo> own;
   if (!terrain.generator.empty()) own = impl::params_of_generator(terrain.generator);
   return {"[terrain]", {}, terrain_params(), std::move(own), &terrain, &terrain.values, 0};
@@ -291,7 +291,7 @@ bool reads_back(const std::string& text, const Document& document) {
 
 void rebase(std::string& path, const Document& document, const std::filesystem::path& directory) {
   if (path.empty() || std::filesystem::path(path).is_absolute()) return;
-  path = std::filesystem::absolute(document.resolved(path)).lexically_normal().lexically_relative(directory);
+  path = std::filesystem::absolute(document.resolve(path)).lexically_normal().lexically_relative(directory);
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ Document volume_document(const std::string& path) {
   Document document;
   document.terrain.source = path;
   Layer layer;
-  layer.type = volume_layer;
+  layer.type = "volume";
   layer.values["file"] = path;
   document.layers.push_back(std::move(layer));
   return document;

@@ -18,7 +18,7 @@ std::vector<ParamInfo> params_of_brush(const BrushType& brush, const Values& val
   return out;
 }
 
-std::vector<Vec3d> sampled_path(std::span<const Vec3d> points, bool smooth, double spacing) {
+std::vector<Vec3d> sample_path(std::span<const Vec3d> points, bool smooth, double spacing) {
   std::vector<Vec3d> out;
   const auto at = [&](std::ptrdiff_t i) {
     return points[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(i, 0, std::ssize(points) - 1))];

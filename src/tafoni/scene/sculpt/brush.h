@@ -54,7 +54,7 @@ std::vector<ParamInfo> params_of_brush(const BrushType& brush, const Values& val
 
 /// A Catmull-Rom curve through `points`, or the points themselves joined by straight lines, as points no
 /// further than `spacing` metres apart.
-std::vector<Vec3d> sampled_path(std::span<const Vec3d> points, bool smooth, double spacing);
+std::vector<Vec3d> sample_path(std::span<const Vec3d> points, bool smooth, double spacing);
 
 template <class Radius>
 void Dab::tube(std::span<const Vec3d> path, Radius radius) {

@@ -1,32 +1,26 @@
 #pragma once
 // Builds documents and keeps what it made, so that the next build makes again only what differs.
 
+#include <any>
 #include <functional>
+#include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "tafoni/io/volume_file.h"
 #include "tafoni/scene/build/build.h"
 #include "tafoni/scene/build/impl/digest.h"
-#include "tafoni/scene/build/impl/recent.h"
-#include "tafoni/scene/sculpt/impl/sculpt.h"
+#include "tafoni/scene/build/impl/ground.h"
+#include "tafoni/scene/build/impl/memo.h"
+#include "tafoni/scene/build/impl/region.h"
+#include "tafoni/scene/layers/impl/site.h"
+#include "tafoni/scene/sculpt/impl/paint.h"
 
 namespace tafoni::scene::impl {
 
-/// Where the strokes of a sculpt layer come from.
+/// Where the strokes of a layer that takes some come from: slots_of(), or what a session has in memory.
 using SlotSource = std::function<std::vector<Slot>(const Document&, const Layer&)>;
-/// From the layer's files.
-std::vector<Slot> slots_of(const Document& document, const Layer& layer);
-
-/// One layer of a build, with what it depended on.
-struct BuiltLayer {
-  Digest key;
-  LayerResult result;
-  std::shared_ptr<const Sculpted> sculpted;  ///< of a sculpt layer
-  Digest frame;                              ///< of a sculpt layer: all but its strokes
-};
 
 struct Built {
   std::shared_ptr<const BuiltScene> scene;
@@ -44,27 +38,24 @@ class Builder {
 
  private:
   struct Stage;
-  void make_ground(Stage& stage, Progress& progress);
-  void make_geology(Stage& stage);
-  void run_layers(Stage& stage, Progress& progress);
-  BuiltLayer run_layer(Stage& stage, std::size_t index, Progress& progress);
-  raster::Raster read_terrain(const Document& document, Progress& progress);
-  std::shared_ptr<const io::Volume> read_volume(const std::filesystem::path& file, Progress& progress);
-  BuiltLayer sculpt(Stage& stage, const Layer& layer, std::uint64_t seed);
-  std::shared_ptr<const landforms::Region> region_of(Stage& stage, const Layer& layer, Digest& digest);
+  void build_ground(Stage& stage);
+  void build_geology(Stage& stage);
+  void build_layers(Stage& stage);
+  BuiltLayer build_layer(Stage& stage, std::size_t index);
+  Keyed<RegionPtr> region_of(const Stage& stage, const Layer& layer, Progress& progress);
+  std::optional<File> file(const Document& document, const std::string& path);
 
-  struct MadeTerrain {
-    terrain::Terrain terrain;
-    field::NodePtr open, domain;
-  };
   FileDigests files_;
-  Recent<Digest, std::shared_ptr<const io::Volume>> volumes_{2};
-  Recent<Digest, std::shared_ptr<const raster::Raster>> rasters_{3};
-  Recent<Digest, MadeTerrain> terrains_{3};
-  Recent<Digest, geology::GeologyPtr> geologies_{8};
-  Recent<Digest, std::shared_ptr<const landforms::Region>> regions_{32};
-  Recent<Digest, LayerResult> results_{64};
-  SculptCook cook_;
+  Readers::Volumes volumes_{2, &read_volume_file};
+  Memo<RasterPtr, Readers, TerrainSection, std::uint64_t, std::optional<File>> elevations_{3,
+                                                                                           &make_elevations};
+  Memo<Ground, Progress, Keyed<RasterPtr>, TerrainSection, double, std::optional<File>> grounds_{
+      3, &make_ground};
+  Memo<geology::GeologyPtr, Progress, std::vector<GeologySettings>, std::uint64_t, Vec3d> geologies_{
+      8, &make_geology};
+  Memo<RegionPtr, Progress, Limits> regions_{32, &make_region};
+  Results results_{64, &make_layer};
+  std::map<const LayerType*, std::any> memories_;
 };
 
 }  // namespace tafoni::scene::impl

@@ -2,44 +2,15 @@
 
 #include <algorithm>
 
-#include "tafoni/core/error.h"
 #include "tafoni/geology/kind.h"
-#include "tafoni/landforms/landform.h"
 #include "tafoni/scene/document/document.h"
-#include "tafoni/scene/layers/impl/primitives_layer.h"
-#include "tafoni/scene/layers/impl/volume_layer.h"
+#include "tafoni/scene/layers/layer.h"
 #include "tafoni/terrain/generator.h"
 
 namespace tafoni::scene {
 
 const std::vector<ParamInfo>& params_of_layer(std::string_view type) {
-  struct Sculpt {
-    std::string strokes, journal;
-    bool settle = true;
-  };
-  static const std::vector<ParamInfo> sculpt =
-      ParamTable<Sculpt>()
-          .text("strokes", &Sculpt::strokes, "Path of a text file of strokes, which come first")
-          .text("journal", &Sculpt::journal,
-                "Path of the journal of strokes that tafoni sculpt and editors make")
-          .boolean("settle", &Sculpt::settle,
-                   "Limits the field of earlier layers to the terrain's amplitude, so that strokes fill "
-                   "their caves as they fill open air");
-  if (type == primitives_layer) return impl::primitives_params();
-  if (type == sculpt_layer) return sculpt;
-  if (type == volume_layer) return impl::volume_params();
-
-  std::vector<std::string> known = {std::string(primitives_layer), std::string(sculpt_layer),
-                                    std::string(volume_layer)};
-  for (const landforms::LandformType* landform : landforms::all_landforms()) {
-    if (landform->about.name == type) return landform->about.params;
-    known.push_back(landform->about.name);
-  }
-  std::string list;
-  for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
-  const std::string near = nearest(type.substr(0, 100), known);
-  fail(ErrorKind::usage, "unknown layer type \"{}\"; {}", type.substr(0, 100),
-       near.empty() ? "known are " + list : fmt::format("did you mean \"{}\"?", near));
+  return find_layer_type(type).about.params;
 }
 
 namespace impl {

@@ -14,7 +14,7 @@ TEST(ParseScene, ReadsTheExampleOfTheDesign) {
   const Document d = parse_scene(full, "dir/s.toml");
   EXPECT_EQ(d.scene.seed, 7);
   EXPECT_EQ(d.scene.voxel, 0.5);
-  EXPECT_EQ(d.resolved(d.terrain.source), "dir/pointsal.tif");
+  EXPECT_EQ(d.resolve(d.terrain.source), "dir/pointsal.tif");
   EXPECT_EQ(d.terrain.window, (std::vector<double>{10, 20, 300, 200}));
   ASSERT_EQ(d.geology.size(), 1u);
   EXPECT_EQ(std::get<std::vector<double>>(d.geology[0].values.at("thickness")), std::vector{14.0});
@@ -60,9 +60,9 @@ INSTANTIATE_TEST_SUITE_P(
               "dir/s.toml:2: [[layer]] has no type; add, for example, type = \"karst\""},
         Wrong{"[[layer]]\ntype = 3", "dir/s.toml:2: type must be text"},
         Wrong{"[[layer]]\ntype = \"sea-clif\"",
-              "dir/s.toml:2: unknown layer type \"sea-clif\"; did you mean \"sea-cliff\"?"},
+              "dir/s.toml:2: there is no layer type \"sea-clif\"; did you mean \"sea-cliff\"?"},
         Wrong{"[[layer]]\ntype = \"zzzzzzz\"",
-              "dir/s.toml:2: unknown layer type \"zzzzzzz\"; known are primitives"},
+              "dir/s.toml:2: there is no layer type \"zzzzzzz\"; known are arch, canyon, "},
         Wrong{"[[layer]]\ntype = \"sea-cliff\"\nrnage = 3",
               "dir/s.toml:3: unknown key \"rnage\" in layer \"sea-cliff\"; did you mean \"range\"?"},
         Wrong{"[[layer]]\ntype = \"sea-cliff\"\nenabeld = true", "did you mean \"enabled\"?"},
@@ -79,7 +79,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[[geology]]\ntype = \"fault\"\ndomain = \"field\"\n[[geology.of]]\ntype = \"strata\"",
               "dir/s.toml:2: fault: with domain = \"field\" it takes 2 children, but has 1"},
         Wrong{"[[geology]]\ntype = \"fold\"\n[[geology.of]]\ntype = \"starta\"",
-              "dir/s.toml:4: unknown geology \"starta\"; did you mean \"strata\"?"},
+              "dir/s.toml:4: there is no geology \"starta\"; did you mean \"strata\"?"},
         Wrong{"[[geology]]\ntype = \"fold\"\n[[geology.of]]\nthickness = 3",
               "dir/s.toml:3: [[geology.of]] has no type; add, for example, type = \"strata\""},
         Wrong{"[[geology]]\ntype = \"fold\"\n[[geology.off]]\ntype = \"strata\"",

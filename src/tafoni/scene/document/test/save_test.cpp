@@ -162,9 +162,9 @@ TEST(SaveScene, PathsFollowTheFile) {
   save_scene(d, root / "b" / "c" / "t.toml");
   const Document e = load_scene(root / "b" / "c" / "t.toml");
   EXPECT_EQ(e.terrain.source, "../../a/pointsal.tif");
-  EXPECT_EQ(e.resolved(e.terrain.source), d.resolved(d.terrain.source));
-  EXPECT_EQ(e.resolved(e.layers[1].settings.region), d.resolved(d.layers[1].settings.region));
-  EXPECT_EQ(e.resolved(std::get<std::string>(e.layers[2].values.at("file"))), root / "a" / "spheres.csv");
+  EXPECT_EQ(e.resolve(e.terrain.source), d.resolve(d.terrain.source));
+  EXPECT_EQ(e.resolve(e.layers[1].settings.region), d.resolve(d.layers[1].settings.region));
+  EXPECT_EQ(e.resolve(std::get<std::string>(e.layers[2].values.at("file"))), root / "a" / "spheres.csv");
   EXPECT_THAT(e.text, HasSubstr("# Storm waves."));
 }
 

@@ -17,7 +17,7 @@
 #include "tafoni/field/test/lattice.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
-#include "tafoni/scene/layers/impl/volume_layer.h"
+#include "tafoni/scene/build/impl/volume_heights.h"
 #include "tafoni/scene/products/mesh_scene.h"
 #include "tafoni/scene/session.h"
 

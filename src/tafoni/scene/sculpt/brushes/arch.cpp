@@ -55,7 +55,7 @@ void opening(const Stroke& stroke, const Params& p, Dab& dab) {
   const auto run = [&](double x, double z, double r) {
     const Vec3d center = middle + sideways * x + Vec3d{0, 0, z};
     const Vec3d ends[] = {center - through * (0.5 * p.depth), center + through * (0.5 * p.depth)};
-    dab.tube(sampled_path(ends, false, 0.2 * r), [r](double) { return r; });
+    dab.tube(sample_path(ends, false, 0.2 * r), [r](double) { return r; });
   };
   const double reach = half - bore, top = p.height - bore;
   const int columns = reach > 0 ? 1 + static_cast<int>(std::ceil(2 * reach / bore)) : 1;

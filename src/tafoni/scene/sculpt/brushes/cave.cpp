@@ -55,7 +55,7 @@ void apply(const Stroke& stroke, std::uint64_t seed, Dab& dab) {
   const double room = p.chamber_radius > 0 ? p.chamber_radius : 2.2 * stroke.radius;
   if (stroke.points.size() == 1) return chamber(stroke.points[0], room, p.flatten, Random(seed, 4), dab);
 
-  auto path = sampled_path(stroke.points, true, 0.2 * stroke.radius);
+  auto path = sample_path(stroke.points, true, 0.2 * stroke.radius);
   const Random sideways(seed, 1), up(seed, 2), width(seed, 3);
   const double step = 4 * stroke.radius;
   std::vector<double> covered(path.size(), 0);

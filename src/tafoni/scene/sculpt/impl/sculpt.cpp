@@ -46,6 +46,7 @@ struct Item {
 }  // namespace
 
 struct CookedStroke {
+  std::shared_ptr<const Stroke> stroke;  ///< keeps its address, a part of keys, its own
   std::map<CloudClass, std::vector<Item>> items;
   Box3d box;
   Digest digest;
@@ -61,7 +62,8 @@ class Cooking : public Dab {
   void add(std::string_view kind, Vec3d anchor, double radius, std::span<const float> extras) override {
     if (!(radius > 0) || !std::isfinite(radius)) fail(ErrorKind::usage, "a radius of {} m is none", radius);
     const field::PrimitiveType& type = field::find_primitive(kind);
-    const double weight = frame_.region ? frame_.region->weight(anchor) : 1;
+    const landforms::Region* region = frame_.region.value.get();
+    const double weight = region ? region->weight(anchor) : 1;
     if (!(weight > 0)) return;
     CloudClass key{std::string(kind), static_cast<int>(std::lround(2 * std::log2(radius))),
                    static_cast<int>(std::lround(100 * stroke_.roughness))};
@@ -88,12 +90,6 @@ std::uint64_t seed_of(const Stroke& stroke, std::uint64_t layer) {
   for (const double v : {stroke.points[0].x, stroke.points[0].y, stroke.points[0].z})
     seed = hash_combine(seed, std::bit_cast<std::uint64_t>(v));
   return seed;
-}
-
-Digest digest_of(const SculptFrame& frame) {
-  Digest digest;
-  digest.add(frame.origin.x).add(frame.origin.y).add(frame.origin.z).add(frame.amplitude).add(frame.seed);
-  return digest.add(std::uint64_t{frame.region != nullptr}).add(frame.region_digest);
 }
 
 /// S after a run: what it carves stops at -L, what it adds at L.
@@ -143,61 +139,49 @@ void cook_runs(SculptGroup& group, std::uint64_t seed) {
 }  // namespace
 
 std::shared_ptr<const CookedStroke> SculptCook::cook_stroke(const std::shared_ptr<const Stroke>& stroke,
-                                                            const SculptFrame& frame,
-                                                            const Digest& frame_digest) {
-  return strokes_
-      .get({stroke.get(), frame_digest},
-           [&] {
-             ++strokes_cooked;
-             auto cooked = std::make_shared<CookedStroke>();
-             cooked->digest.add(std::string_view(to_text(*stroke)));
-             const BrushType& brush = find_brush(stroke->brush);
-             if (brush.apply) {
-               Stroke local = *stroke;
-               for (Vec3d& p : local.points) p -= frame.origin;
-               Cooking dab(*stroke, frame, *cooked);
-               brush.apply(local, seed_of(*stroke, frame.seed), dab);
-             }
-             return KeptStroke{stroke, std::move(cooked)};
-           })
-      .cooked;
+                                                            const SculptFrame& frame, Nothing&) {
+  auto cooked = std::make_shared<CookedStroke>();
+  cooked->stroke = stroke;
+  cooked->digest.add(std::string_view(to_text(*stroke)));
+  const BrushType& brush = find_brush(stroke->brush);
+  if (brush.apply) {
+    Stroke local = *stroke;
+    for (Vec3d& p : local.points) p -= frame.origin;
+    Cooking dab(*stroke, frame, *cooked);
+    brush.apply(local, seed_of(*stroke, frame.seed), dab);
+  }
+  return cooked;
 }
 
-std::shared_ptr<const SculptGroup> SculptCook::cook_group(std::span<const Slot> slots,
-                                                          const SculptFrame& frame,
-                                                          const Digest& frame_digest) {
-  Digest key = frame_digest;
-  for (const Slot& slot : slots)
-    key.add(std::uint64_t{reinterpret_cast<std::uintptr_t>(slot.stroke.get())} * 2 + (slot.muted ? 1 : 0));
-  return groups_.get(key, [&] {
-    ++groups_cooked;
-    auto group = std::make_shared<SculptGroup>();
-    group->slots.assign(slots.begin(), slots.end());
-    group->digest = frame_digest;
-    std::vector<std::shared_ptr<const CookedStroke>> all;
-    for (const Slot& slot : slots) {
-      all.push_back(cook_stroke(slot.stroke, frame, frame_digest));
-      group->cooked.push_back(slot.muted ? nullptr : all.back());
-      group->digest.add(std::uint64_t{slot.muted}).add(all.back()->digest);
-    }
-    group->levels = levels_of(slots, all);
-    cook_runs(*group, frame.seed);
-    return std::shared_ptr<const SculptGroup>(std::move(group));
-  });
+std::shared_ptr<const SculptGroup> SculptCook::cook_group(const std::vector<Slot>& slots,
+                                                          const SculptFrame& frame, Strokes& strokes) {
+  auto group = std::make_shared<SculptGroup>();
+  group->slots = slots;
+  group->digest = impl::digest_of(frame);
+  std::vector<CookedPtr> all;
+  Nothing nothing;
+  for (const Slot& slot : slots) {
+    all.push_back(strokes(slot.stroke, frame, nothing).value);
+    group->cooked.push_back(slot.muted ? nullptr : all.back());
+    group->digest.add(std::uint64_t{slot.muted}).add(all.back()->digest);
+  }
+  group->levels = levels_of(slots, all);
+  cook_runs(*group, frame.seed);
+  return group;
 }
 
-std::shared_ptr<const Sculpted> SculptCook::cook(std::span<const Slot> slots, const SculptFrame& frame) {
-  const Digest frame_digest = digest_of(frame);
+Keyed<std::shared_ptr<const Sculpted>> SculptCook::cook(std::span<const Slot> slots,
+                                                        const SculptFrame& frame) {
+  Digest digest = impl::digest_of(frame);
   auto out = std::make_shared<Sculpted>();
-  out->digest = frame_digest;
   for (std::size_t first = 0; first < slots.size(); first += group_size) {
-    out->groups.push_back(
-        cook_group(slots.subspan(first, std::min(group_size, slots.size() - first)), frame, frame_digest));
-    out->digest.add(out->groups.back()->digest);
+    const auto some = slots.subspan(first, std::min(group_size, slots.size() - first));
+    out->groups.push_back(groups_({some.begin(), some.end()}, frame, strokes_).value);
+    digest.add(out->groups.back()->digest);
     for (const SculptRun& run : out->groups.back()->runs)
       out->node = after_run(out->node, run, frame.amplitude);
   }
-  return out;
+  return {out, digest};
 }
 
 namespace {
@@ -230,72 +214,6 @@ void changed_boxes(const Sculpted* before, const Sculpted* now, std::vector<Box3
     const SculptGroup* b = now && g < now->groups.size() ? now->groups[g].get() : nullptr;
     if (a != b) changed_boxes(a, b, out);
   }
-}
-
-namespace {
-
-bool paints(const Slot& slot, std::string_view name, Painting& out) {
-  const BrushType& brush = find_brush(slot.stroke->brush);
-  if (slot.muted || !brush.paint) return false;
-  out = brush.paint(*slot.stroke);
-  return out.mask == name;
-}
-
-double distance_to_segment(Vec2d p, Vec3d a, Vec3d b) {
-  const Vec2d d{b.x - a.x, b.y - a.y}, v{p.x - a.x, p.y - a.y};
-  const double l2 = d.x * d.x + d.y * d.y;
-  const double t = l2 > 0 ? std::clamp((v.x * d.x + v.y * d.y) / l2, 0.0, 1.0) : 0;
-  return std::hypot(v.x - t * d.x, v.y - t * d.y);
-}
-
-}  // namespace
-
-raster::Raster painted(std::span<const Slot> slots, std::string_view name, const raster::Raster& like,
-                       Vec3d origin) {
-  raster::Raster out;
-  out.placement = like.placement;
-  out.values = raster::Grid<float>(like.width(), like.height(), 0.f);
-  Painting paint;
-  for (const Slot& slot : slots) {
-    if (!paints(slot, name, paint)) continue;
-    const Stroke& stroke = *slot.stroke;
-    Box3d box;
-    std::vector<Vec3d> line;
-    for (const Vec3d p : stroke.points) {
-      line.push_back(p - origin);
-      box.expand(line.back());
-    }
-    if (line.size() == 1) line.push_back(line.front());
-    box = box.grown(stroke.radius);
-    const Vec2d nw = out.placement.pixel(box.lo.x, box.hi.y), se = out.placement.pixel(box.hi.x, box.lo.y);
-    const auto clamped = [](double v, int n) {
-      return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(n)));
-    };
-    for (int row = clamped(std::ceil(nw.y), out.height()); row < clamped(std::floor(se.y) + 1, out.height());
-         ++row)
-      for (int col = clamped(std::ceil(nw.x), out.width()); col < clamped(std::floor(se.x) + 1, out.width());
-           ++col) {
-        const Vec2d at = out.placement.center(col, row);
-        double far = stroke.radius;
-        for (std::size_t i = 0; i + 1 < line.size(); ++i)
-          far = std::min(far, distance_to_segment(at, line[i], line[i + 1]));
-        const double soft = (1 - paint.hardness) * stroke.radius;
-        const double t =
-            soft > 0 ? std::clamp((stroke.radius - far) / soft, 0.0, 1.0) : (far < stroke.radius ? 1 : 0);
-        const auto weight = static_cast<float>(std::min(stroke.strength, 1.0) * t * t * (3 - 2 * t));
-        float& value = out.values.at(col, row);
-        value = paint.erase ? value * (1 - weight) : value + (1 - value) * weight;
-      }
-  }
-  return out;
-}
-
-Digest painted_digest(std::span<const Slot> slots, std::string_view name) {
-  Digest digest;
-  Painting paint;
-  for (const Slot& slot : slots)
-    if (paints(slot, name, paint)) digest.add(std::string_view(to_text(*slot.stroke)));
-  return digest;
 }
 
 }  // namespace tafoni::scene::impl

@@ -16,34 +16,28 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "tafoni/field/tree.h"
 #include "tafoni/landforms/site/region.h"
-#include "tafoni/raster/grid.h"
-#include "tafoni/scene/build/impl/digest.h"
-#include "tafoni/scene/build/impl/recent.h"
+#include "tafoni/scene/build/impl/memo.h"
+#include "tafoni/scene/sculpt/impl/paint.h"
 #include "tafoni/scene/sculpt/stroke.h"
 
 namespace tafoni::scene::impl {
 
-/// A place in the list of a layer's strokes.
-struct Slot {
-  std::shared_ptr<const Stroke> stroke;
-  bool muted = false;
-  friend bool operator==(const Slot&, const Slot&) = default;
-};
-
 /// What strokes are cooked for.
 struct SculptFrame {
-  Vec3d origin;            ///< world position of local zero
+  Vec3d origin = {};       ///< world position of local zero
   double amplitude = 7.5;  ///< T
   std::uint64_t seed = 0;  ///< of the layer
-  const landforms::Region* region = nullptr;
-  Digest region_digest;
+  Keyed<std::shared_ptr<const landforms::Region>> region = {};
 };
+inline auto parts(const SculptFrame& frame) {
+  const auto& [origin, amplitude, seed, region] = frame;
+  return std::tie(origin, amplitude, seed, region);
+}
 
 struct CookedStroke;
 
@@ -58,48 +52,49 @@ struct SculptGroup {
   std::vector<std::shared_ptr<const CookedStroke>> cooked;  ///< by place; null where muted
   std::vector<int> levels;                                  ///< by place; even where it carves
   std::vector<SculptRun> runs;                              ///< by level
-  Digest digest;
+  Digest digest;                                            ///< by what its strokes say
 };
 
 struct Sculpted {
   std::vector<std::shared_ptr<const SculptGroup>> groups;
   field::NodePtr node;  ///< S; null where no stroke does anything
-  Digest digest;
 };
+
+// As parts of keys strokes count by their addresses: whoever keeps the key keeps the strokes.
+inline void add_part(Digest& to, const std::shared_ptr<const Stroke>& stroke) {
+  to.add(std::uint64_t{reinterpret_cast<std::uintptr_t>(stroke.get())});
+}
+inline auto parts(const Slot& slot) {
+  const auto& [stroke, muted] = slot;
+  return std::tie(stroke, muted);
+}
 
 /// Keeps what it cooked.
 class SculptCook {
  public:
   static constexpr std::size_t group_size = 128;
 
-  std::shared_ptr<const Sculpted> cook(std::span<const Slot> slots, const SculptFrame& frame);
+  /// The key tells what strokes say, not where they lie in memory.
+  Keyed<std::shared_ptr<const Sculpted>> cook(std::span<const Slot> slots, const SculptFrame& frame);
   /// Strokes cooked and groups put together since the beginning, for tests of what is reused.
-  std::uint64_t strokes_cooked = 0, groups_cooked = 0;
+  std::uint64_t strokes_cooked() const { return strokes_.made(); }
+  std::uint64_t groups_cooked() const { return groups_.made(); }
 
  private:
-  std::shared_ptr<const CookedStroke> cook_stroke(const std::shared_ptr<const Stroke>& stroke,
-                                                  const SculptFrame& frame, const Digest& frame_digest);
-  std::shared_ptr<const SculptGroup> cook_group(std::span<const Slot> slots, const SculptFrame& frame,
-                                                const Digest& frame_digest);
+  struct Nothing {};
+  using CookedPtr = std::shared_ptr<const CookedStroke>;
+  using GroupPtr = std::shared_ptr<const SculptGroup>;
+  using Strokes = Memo<CookedPtr, Nothing, std::shared_ptr<const Stroke>, SculptFrame>;
+  using Groups = Memo<GroupPtr, Strokes, std::vector<Slot>, SculptFrame>;
+  static CookedPtr cook_stroke(const std::shared_ptr<const Stroke>& stroke, const SculptFrame& frame,
+                               Nothing&);
+  static GroupPtr cook_group(const std::vector<Slot>& slots, const SculptFrame& frame, Strokes& strokes);
 
-  using StrokeKey = std::pair<const Stroke*, Digest>;
-  struct KeptStroke {
-    std::shared_ptr<const Stroke> stroke;  ///< keeps the key's address its own
-    std::shared_ptr<const CookedStroke> cooked;
-  };
-  Recent<StrokeKey, KeptStroke> strokes_{1 << 20};
-  /// By the addresses of their strokes, which they keep alive.
-  Recent<Digest, std::shared_ptr<const SculptGroup>> groups_{1024};
+  Strokes strokes_{1 << 20, &cook_stroke};
+  Groups groups_{1024, &cook_group};
 };
 
 /// Appends boxes outside of which both layers have the same values, bit for bit. Either may be null.
 void changed_boxes(const Sculpted* before, const Sculpted* now, std::vector<Box3d>& out);
-
-/// The mask `name` that the strokes paint: one pixel a pixel of `like`, weights in [0, 1], in the frame of
-/// `like`, whose origin in the world is `origin`.
-raster::Raster painted(std::span<const Slot> slots, std::string_view name, const raster::Raster& like,
-                       Vec3d origin);
-/// Of the strokes that paint `name`.
-Digest painted_digest(std::span<const Slot> slots, std::string_view name);
 
 }  // namespace tafoni::scene::impl

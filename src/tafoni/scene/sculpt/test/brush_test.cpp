@@ -18,7 +18,7 @@ class Made {
     const impl::Slot slot{std::make_shared<Stroke>(parse_stroke(line, "test")), false};
     impl::SculptFrame frame;
     frame.amplitude = amplitude;
-    const auto cooked = cook_.cook({&slot, 1}, frame);
+    const auto cooked = cook_.cook({&slot, 1}, frame).value;
     changed_boxes(nullptr, cooked.get(), boxes);
     field_ = std::make_unique<field::CompiledField>(
         field::compile(field::combine("blend", {field::constant(static_cast<float>(below)), cooked->node})));
@@ -92,7 +92,7 @@ TEST(Brush, ACaveCanBeWalkedThrough) {
   for (int seed = 0; seed < 5; ++seed) {
     const Made cave("cave at=0,0,0/30,10,4/60,0,0 radius=3 chambers=1 wander=0 seed=" + std::to_string(seed));
     const Vec3d points[] = {{0, 0, 0}, {30, 10, 4}, {60, 0, 0}};
-    for (const Vec3d p : sampled_path(points, true, 0.5)) EXPECT_LT(cave(p), 0);
+    for (const Vec3d p : sample_path(points, true, 0.5)) EXPECT_LT(cave(p), 0);
   }
 }
 

@@ -1,0 +1,24 @@
+#pragma once
+// The files in which a layer that takes strokes keeps them.
+
+#include <string>
+#include <vector>
+
+#include "tafoni/scene/document/document.h"
+#include "tafoni/scene/sculpt/impl/paint.h"
+
+namespace tafoni::scene::impl {
+
+struct StrokeFiles {
+  std::string strokes;  ///< path of a text file, whose strokes come first
+  std::string journal;  ///< path of a journal
+};
+StrokeFiles stroke_files(const Layer& layer);
+void set_journal(Layer& layer, const std::string& path);
+
+/// Those of the text file alone; empty where the path is.
+std::vector<Slot> read_strokes(const std::filesystem::path& file);
+/// Those of both files.
+std::vector<Slot> slots_of(const Document& document, const Layer& layer);
+
+}  // namespace tafoni::scene::impl
