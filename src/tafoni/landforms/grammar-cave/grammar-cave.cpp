@@ -15,8 +15,8 @@
 #include "tafoni/landforms/grammar-cave/cave_body.h"
 #include "tafoni/landforms/grammar-cave/cave_floor.h"
 #include "tafoni/landforms/grammar-cave/cave_mouth.h"
-#include "tafoni/landforms/grammar-cave/measures.h"
 #include "tafoni/landforms/landform.h"
+#include "tafoni/landforms/measures.h"
 #include "tafoni/math/angle.h"
 
 namespace tafoni::landforms {

@@ -1,4 +1,4 @@
-#include "tafoni/landforms/grammar-cave/measures.h"
+#include "tafoni/landforms/measures.h"
 
 namespace tafoni::landforms {
 namespace {

@@ -4,7 +4,7 @@
 #include <chrono>
 
 #include "tafoni/core/error.h"
-#include "tafoni/landforms/grammar-cave/measures.h"
+#include "tafoni/landforms/measures.h"
 #include "tafoni/mesh/metrics.h"
 
 namespace tafoni::scene {
