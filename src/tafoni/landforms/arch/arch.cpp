@@ -45,6 +45,7 @@ const ParamTable<Params>& table() {
         .integer("bridges", &Params::bridges, "", 0, 1000,
                  "most natural bridges built between faces that stand opposite each other")
         .real("span", &Params::span, "m", 0, 1000, "longest of these bridges, 0 for three times the size")
+        .only("where bridges is above 0", {{"bridges", std::int64_t{4}}})
         .real("weakness", &Params::weakness, "", 0, 1, "how much wider openings are where the rock is soft")
         .real("roughness", &Params::roughness, "", 0, 1, "unevenness of the rock");
     return t;

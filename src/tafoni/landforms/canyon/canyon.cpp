@@ -39,6 +39,8 @@ struct Params {
 
 const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
+    const std::string where_slots = "where slot_depth is above 0";
+    const Values with_slots = {{"slot_depth", 10.0}};
     ParamTable<Params> t;
     t.real("threshold", &Params::threshold, "", 0, 1,
            "share of the terrain's greatest stream power from which water is a river")
@@ -69,9 +71,12 @@ const ParamTable<Params>& table() {
               "rock below")
         .real("slot_width", &Params::slot_width, "m", 0, 200,
               "width of a slot canyon, 0 for twice the radius")
+        .only(where_slots, with_slots)
         .integer("slots", &Params::slots, "", 1, 100,
                  "how many rivers run in slot canyons, the strongest first")
-        .real("winding", &Params::winding, "", 0, 1, "how far the walls of slot canyons lean over");
+        .only(where_slots, with_slots)
+        .real("winding", &Params::winding, "", 0, 1, "how far the walls of slot canyons lean over")
+        .only(where_slots, with_slots);
     return t;
   }();
   return params;
