@@ -81,7 +81,7 @@ class Generator {
 
   /// P_S solids, joined in any direction.
   Shape shape() {
-    const int count = std::max(1, settings_.per_shape);
+    const std::int64_t count = std::max<std::int64_t>(1, settings_.per_shape);
     if (count == 1) return shape_of(solid(1));
     const double scale = 1 / std::cbrt(static_cast<double>(count));
     Assembly parts;

@@ -13,11 +13,11 @@
 namespace tafoni::grammar {
 
 struct Settings {
-  int classic = 10;              ///< P_C: sums, differences and intersections
-  int morphic = 2;               ///< P_M
+  std::int64_t classic = 10;     ///< P_C: sums, differences and intersections
+  std::int64_t morphic = 2;      ///< P_M
   std::string direction = "+X";  ///< L_B: "+X" … "-Z", or "random"
   double morph = 0.52;           ///< M_P, 0 to 1
-  int per_shape = 3;             ///< P_S: how many solids make up a shape; 0 and 1: a bare one
+  std::int64_t per_shape = 3;    ///< P_S: how many solids make up a shape; 0 and 1: a bare one
   std::vector<std::string> solids = {"cube", "ellipsoid", "cylinder", "torus", "pyramid", "cone", "sphere"};
   double size = 1;                          ///< metres: half the width of a middling shape
   std::vector<double> spread = {0.6, 1.4};  ///< least and greatest half width, as multiples of the size

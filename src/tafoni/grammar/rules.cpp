@@ -148,11 +148,11 @@ class Rewriting {
     if (depth >= deepest)
       fail(ErrorKind::usage, "{}: \"{}\" is made of itself without end", r.where, r.shape);
     Assembly stored;
-    rewrite(stored, r.shape, std::max(1, settings_.per_shape), 0, nullptr, depth + 1);
+    rewrite(stored, r.shape, std::max<std::int64_t>(1, settings_.per_shape), 0, nullptr, depth + 1);
     return stored.shape();
   }
 
-  void rewrite(Assembly& base, const std::string& axiom, int classic, int morphic,
+  void rewrite(Assembly& base, const std::string& axiom, std::int64_t classic, std::int64_t morphic,
                const Assembly::Accept& accept, int depth) {
     struct Standing {
       std::string symbol;
@@ -166,7 +166,7 @@ class Rewriting {
       open.pop_front();
       const Rule* r = draw(at.symbol);
       if (!r) continue;
-      int& left = r->how.operation == Operation::morph ? morphic : classic;
+      std::int64_t& left = r->how.operation == Operation::morph ? morphic : classic;
       Production how = r->how;
       if (first) how.direction = {};
       how.part = at.part;

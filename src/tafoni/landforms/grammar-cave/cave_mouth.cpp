@@ -1,7 +1,11 @@
+// Tries sixteen directions at the places of a grid: a good mouth has level ground before it and a hillside
+// that rises fast behind it.
+
 #include "tafoni/landforms/grammar-cave/cave_mouth.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "tafoni/core/parallel.h"
@@ -10,7 +14,13 @@ namespace tafoni::landforms::impl {
 namespace {
 
 constexpr int directions = 16;
-constexpr double full_turn = 6.28318530717958647692;
+constexpr double full_turn = 2 * std::numbers::pi;
+
+// Chosen by eye.
+constexpr double enough_rise = 3;   // times the rise wanted: more is no better
+constexpr double slope_counts = 3;  // a slope of 1 before the mouth weighs as much as so many rises behind it
+constexpr int most_rows = 256;      // of places tried
+constexpr double least_step = 0.5;  // metres between them
 
 Vec3d direction(int i) {
   return {std::cos(full_turn * i / directions), std::sin(full_turn * i / directions), 0};
@@ -31,8 +41,7 @@ double score(const Ground& ground, const Mouth& mouth, const MouthSettings& s) {
     before =
         std::max(before, std::abs(height(ground, mouth.at - mouth.inward * (share * s.apron)) - mouth.at.z) /
                              (share * s.apron));
-  // Beyond three times the rise wanted, more is no better.
-  return std::min(behind, 3.0) - 3 * before;
+  return std::min(behind, enough_rise) - slope_counts * before;
 }
 
 bool possible(const Ground& ground, const Mouth& mouth, const MouthSettings& s) {
@@ -64,20 +73,19 @@ Mouth mouth_at(const Ground& ground, Vec2d at, const MouthSettings& settings) {
 std::optional<Mouth> find_mouth(const Ground& ground, const MouthSettings& settings, Progress& progress) {
   const Box3d& box = ground.box();
   if (box.empty()) return {};
-  constexpr int most_rows = 256;
   const double longest = std::max(box.size().x, box.size().y);
-  const double step = std::max({ground.pixel(), longest / most_rows, 0.5});
+  const double step = std::max({ground.pixel(), longest / most_rows, least_step});
   const int columns = static_cast<int>(box.size().x / step), rows = static_cast<int>(box.size().y / step);
   struct Best {
     double value = -1e300;
     Mouth mouth;
   };
-  std::vector<Best> best(static_cast<std::size_t>(std::max(rows, 0)));
-  progress.begin("looking for a mouth", static_cast<std::uint64_t>(std::max(rows, 0)), "rows");
+  std::vector<Best> best(std::max(rows, 0));
+  progress.begin("looking for a mouth", best.size(), "rows");
   parallel_for(
       rows,
       [&](std::int64_t row) {
-        Best& here = best[static_cast<std::size_t>(row)];
+        Best& here = best[row];
         for (int col = 0; col < columns; ++col) {
           Vec3d p{box.lo.x + (col + 0.5) * step, box.lo.y + (static_cast<double>(row) + 0.5) * step, 0};
           p.z = height(ground, p);

@@ -1,3 +1,6 @@
+// Room and floor are functions of the distance to the stretches of the way, by plain search: a way has some
+// dozens. Their intervals follow from how fast a value can change along a line.
+
 #include "tafoni/landforms/grammar-cave/cave_way.h"
 
 #include <algorithm>
@@ -16,7 +19,8 @@ double along(const Stretch& s, Vec3d p, bool flat) {
   return square > 0 ? std::clamp(dot(off, way) / square, 0.0, 1.0) : 0;
 }
 
-constexpr double cosine = 0.9702957262759965, sine = 0.2419218955996677;  // of the slope beside the way
+constexpr double cosine = 0.9702957262759965, sine = 0.2419218955996677;  // of the 14 degrees beside the way
+constexpr double bump_length = 3.5;  // metres; wavelength of the bumps, chosen by eye
 
 /// Where a stretch is nearest in plan, and how far beyond its level width.
 struct Beside {
@@ -93,8 +97,7 @@ class Floor final : public Gentle {
     // Away from its surface nothing depends on the bumps.
     if (std::abs(value) > 2 * settings_.bumps) return value;
     const double share = 1 - std::abs(value) / (2 * settings_.bumps);
-    constexpr double wavelength = 3.5;
-    const double t = static_cast<double>(fbm(p * (1 / wavelength), 2, settings_.seed));
+    const double t = fbm(p * (1 / bump_length), 2, settings_.seed);
     return value + settings_.bumps * (2 * t - 1) * share;
   }
 };

@@ -1,3 +1,6 @@
+// A second elevation model in the scene: its rock, or the rock above it, is added, cut out, or what lies
+// outside is cut off, within an upright prism over where the layer may act.
+
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +14,11 @@ namespace {
 
 using impl::Ground;
 
+// Chosen by eye, in influences of the terrain.
+constexpr double default_thickness = 4;  // of rock above an inverted surface
+constexpr double below = 4;              // the prism's sole under the lowest ground: what is cut is real rock
+constexpr double tall = 1e5;             // metres up and down that values may change: all there is
+
 struct Params {
   std::string generator = "plateau";
   std::string operation = "union";
@@ -23,23 +31,27 @@ struct Params {
 const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     ParamTable<Params> t;
-    t.text("generator", &Params::generator, "which built-in elevation model; see tafoni list generators")
+    t.text("generator", &Params::generator, "Which built-in elevation model; see `tafoni list generators`")
         .choice("operation", &Params::operation, {"union", "intersection", "difference"},
-                "whether its rock is added, what lies outside of it is cut off, or it is cut out")
-        .boolean("inverted", &Params::inverted, "its rock lies above its surface instead of below")
+                "Whether its rock is added (union), what lies outside of it is cut off (intersection), or it "
+                "is cut out "
+                "(difference)")
+        .boolean("inverted", &Params::inverted, "Whether its rock lies above its surface instead of below")
         .real("elevation", &Params::elevation, "m", -12000, 10000,
-              "of its mean level above the terrain's mean level")
+              "Height of its mean level above the terrain's; negative below it")
         .real("scale", &Params::scale, "", -100, 100,
-              "factor on its heights about the mean; negative: hills for hollows")
+              "Factor on its heights about the mean; negative makes hills of hollows")
         .real("thickness", &Params::thickness, "m", 0, 10000,
-              "of the rock that is added by an inverted one, 0 for four times the terrain's influence");
+              "Thickness of the rock that is added by an inverted one, 0 for four times the terrain's "
+              "influence")
+        .only("where inverted is true and operation is union", {{"inverted", true}});
     return t;
   }();
   return params;
 }
 
 /// Signed distance to where the layer may act, on real data; positive inside, zero R within the border, so
-/// that the field is the old one beyond it (the Minkowski difference of section 5.1).
+/// that the field is the old one beyond it (the Minkowski difference of [Paris19 §5.1]).
 std::shared_ptr<const raster::Raster> outline(const Site& site, const Ground& ground, Progress& progress) {
   auto made = std::make_shared<raster::Raster>(*site.heights);
   raster::Grid<std::uint8_t> mask(made->width(), made->height(), 0);
@@ -61,21 +73,20 @@ std::shared_ptr<const raster::Raster> outline(const Site& site, const Ground& gr
 
 double mean(const raster::Raster& heights) {
   double sum = 0;
-  for (float h : heights.values.values()) sum += static_cast<double>(h);
+  for (const float h : heights.values.values()) sum += h;
   return sum / static_cast<double>(heights.values.size());
 }
 
 /// The other elevation model over the same ground, at the same pixel.
-std::shared_ptr<const raster::Raster> second(const Site& site, const Params& p, Progress& progress) {
+std::shared_ptr<const raster::Raster> second_model(const Site& site, const Params& p, Progress& progress) {
   const raster::Raster& own = *site.heights;
   raster::Raster made = terrain::find_generator(p.generator)
-                            .generate({{"width", static_cast<std::int64_t>(own.width())},
-                                       {"height", static_cast<std::int64_t>(own.height())},
+                            .generate({{"width", std::int64_t{own.width()}},
+                                       {"height", std::int64_t{own.height()}},
                                        {"pixel", own.placement.dx}},
                                       site.seed, progress);
   const double middle = mean(made), level = mean(own) + p.elevation;
-  for (float& h : made.values.values())
-    h = static_cast<float>(level + p.scale * (static_cast<double>(h) - middle));
+  for (float& h : made.values.values()) h = static_cast<float>(level + p.scale * (h - middle));
   made.placement = own.placement;
   return std::make_shared<raster::Raster>(std::move(made));
 }
@@ -87,17 +98,18 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   const Ground ground(site);
   Result result;
   const auto inside = ground.box().empty() ? nullptr : outline(site, ground, progress);
-  result.report = {{"area_m2", 0.0}, {"primitives", std::int64_t{0}}};
-  if (!inside) return result;
-  const auto heights = second(site, p, progress);
+  if (!inside) {
+    result.facts.area("area", 0).count("primitives", 0);
+    return result;
+  }
+  const auto heights = second_model(site, p, progress);
   field::TerrainSettings settings;
   settings.influence = site.influence;
   settings.amplitude = site.amplitude;
   const auto low = std::min_element(heights->values.values().begin(), heights->values.values().end());
-  const double thickness = p.thickness > 0 ? p.thickness : 4 * site.influence;
+  const double thickness = p.thickness > 0 ? p.thickness : default_thickness * site.influence;
   Box3d box = ground.box();
-  // Far enough down for what is cut away to be a good deal of rock.
-  box.lo.z = std::min(box.lo.z, static_cast<double>(*low)) - 4 * site.influence;
+  box.lo.z = std::min(box.lo.z, double{*low}) - below * site.influence;
   // "Cut off what is outside" takes away the rock on the other side of the surface.
   const bool above = p.inverted != (p.operation == "intersection");
   field::NodePtr rock = field::heightfield(heights, settings);
@@ -114,11 +126,10 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   rock = field::combine("intersection", {std::move(rock), field::domain(prism, settings)});
   double area = 0;
   for (float v : inside->values.values()) area += v > 0;
-  result.report = {{"area_m2", area * heights->placement.dx * heights->placement.dy},
-                   {"primitives", std::int64_t{0}}};
+  result.facts.area("area", area * heights->placement.dx * heights->placement.dy).count("primitives", 0);
   result.reshaped = box;
-  result.reshaped.hi.z = 1e5;
-  result.reshaped.lo.z = -1e5;
+  result.reshaped.hi.z = tall;
+  result.reshaped.lo.z = -tall;
   result.reshape = [rock, op = p.operation](field::NodePtr tree) {
     return field::combine(op == "union" ? "union" : "difference", {std::move(tree), rock});
   };

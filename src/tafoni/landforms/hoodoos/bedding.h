@@ -2,7 +2,7 @@
 // Thin level beds within the rock of a geology, the same for everything that grows in a scene.
 
 #include "tafoni/core/random.h"
-#include "tafoni/landforms/hoodoos/grammar.h"
+#include "tafoni/landforms/hoodoos/growth.h"
 #include "tafoni/landforms/site/ground.h"
 
 namespace tafoni::landforms::impl {
@@ -15,8 +15,8 @@ class Bedding final : public Surroundings {
       : ground_(ground),
         thickness_(thickness),
         contrast_(contrast),
-        planes_(ground.site().seed, 0xbed0),
-        hardness_(ground.site().seed, 0xbed1) {}
+        planes_(ground.site().seed, Stream::planes),
+        hardness_(ground.site().seed, Stream::hardness) {}
 
   double resistance(Vec3d p) const override {
     const Bed bed = at(p.z);
@@ -30,6 +30,10 @@ class Bedding final : public Surroundings {
   bool allowed(Vec3d p) const override { return ground_.usable(p); }
 
  private:
+  enum class Stream : std::uint64_t { planes = 0xbed0, hardness = 0xbed1 };
+  // Chosen by eye: how far a plane moves off its even place, and how much of a bed below its top, in beds.
+  static constexpr double uneven = 0.3, sliver = 0.25;
+
   struct Bed {
     std::int64_t index;
     double foot, top;  ///< local
@@ -37,14 +41,14 @@ class Bedding final : public Surroundings {
 
   /// What lies just below a plane counts with the bed above it, so that no sliver is left.
   Bed at(double z) const {
-    const double world = z + ground_.site().origin.z + 0.25 * thickness_;
+    const double world = z + ground_.site().origin.z + sliver * thickness_;
     auto k = static_cast<std::int64_t>(std::floor(world / thickness_));
     while (plane(k) > world) --k;
     while (plane(k + 1) <= world) ++k;
     return {k, plane(k) - ground_.site().origin.z, plane(k + 1) - ground_.site().origin.z};
   }
   double plane(std::int64_t k) const {
-    return (static_cast<double>(k) + 0.3 * unit(planes_, k)) * thickness_;
+    return (static_cast<double>(k) + uneven * unit(planes_, k)) * thickness_;
   }
   /// Uniform in [-1, 1).
   static double unit(const Random& random, std::int64_t i) {

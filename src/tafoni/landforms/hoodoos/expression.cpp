@@ -1,3 +1,5 @@
+// Recursive descent over the text makes a postfix program; running it needs a short stack and no memory.
+
 #include "tafoni/landforms/hoodoos/expression.h"
 
 #include <algorithm>
@@ -8,8 +10,8 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/params.h"
-#include "tafoni/landforms/rock/erosion.h"
 #include "tafoni/math/angle.h"
+#include "tafoni/math/smoothstep.h"
 
 namespace tafoni::landforms::impl {
 namespace {
@@ -47,7 +49,7 @@ struct Function {
   double (*run)(Arguments, const ExpressionInput&);
 };
 
-double drawn(const ExpressionInput& in) {
+double draw(const ExpressionInput& in) {
   return in.random->uniform();
 }
 
@@ -66,8 +68,8 @@ const Function functions[] = {
     {"log", 1, [](Arguments a, const ExpressionInput&) { return std::log(a[0]); }},
     {"sin", 1, [](Arguments a, const ExpressionInput&) { return std::sin(degree * a[0]); }},
     {"cos", 1, [](Arguments a, const ExpressionInput&) { return std::cos(degree * a[0]); }},
-    {"random", 0, [](Arguments, const ExpressionInput& in) { return drawn(in); }},
-    {"random", 2, [](Arguments a, const ExpressionInput& in) { return a[0] + (a[1] - a[0]) * drawn(in); }},
+    {"random", 0, [](Arguments, const ExpressionInput& in) { return draw(in); }},
+    {"random", 2, [](Arguments a, const ExpressionInput& in) { return a[0] + (a[1] - a[0]) * draw(in); }},
     {"", 1, [](Arguments a, const ExpressionInput& in) { return (*in.probe)(a[0]); }},
 };
 constexpr std::size_t probe_function = std::size(functions) - 1;
@@ -148,7 +150,7 @@ bool Scanner::number(double& value) {
   if (c != '.' && !(c >= '0' && c <= '9')) return false;
   const auto [end, code] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
   if (code != std::errc()) error("this is not a number");
-  at_ = static_cast<std::size_t>(end - text_.data());
+  at_ = end - text_.data();
   skip();
   return true;
 }
@@ -285,7 +287,7 @@ Expression Expression::compile(Scanner& text, const ExpressionNames& names) {
 
 double Expression::operator()(const ExpressionInput& input) const {
   std::array<double, deepest> stack;
-  double* top = stack.data();  // beyond the last value
+  double* top = stack.data();  // just beyond the last value
   for (const Step& step : steps_) {
     if (step.op == number) {
       *top++ = step.value;

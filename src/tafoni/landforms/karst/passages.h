@@ -7,19 +7,18 @@
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/tree.h"
 #include "tafoni/landforms/karst/percolation.h"
+#include "tafoni/landforms/karst/size.h"
 #include "tafoni/landforms/site/ground.h"
 
 namespace tafoni::landforms::impl {
 
+/// Parameters of karst.
 struct PassageSettings {
-  double radius = 2.5;     ///< of a middling open passage, metres
-  double spacing = 12;     ///< of the nodes, metres
-  double beta = 0.2;       ///< effect on the most resistant rock
-  double threshold = 0.1;  ///< dead ends whose effect is smaller are left out
-  double roughness = 0.5;  ///< strength of the unevenness of the walls
-  double winding = 0.5;    ///< how far passages wind off the straight line
-  double chambers = 0.5;   ///< how often rooms break out, 0 to 1
-  std::uint64_t seed = 0;
+  double beta = 0.2;        ///< effect on the most resistant rock
+  double threshold = 0.12;  ///< dead ends whose effect is smaller are left out
+  double roughness = 0.5;   ///< strength of the unevenness of the walls
+  double winding = 0.5;     ///< how far passages wind off the straight line
+  double chambers = 0.5;    ///< how often rooms break out, 0 to 1
 };
 
 /// Distance between the places of a passage, in radii of a middling one.
@@ -48,12 +47,14 @@ struct CaveSystem {
 };
 
 CaveSystem make_passages(const field::CompiledField& field, const Ground& ground,
-                         const Percolation& percolation, const PassageSettings& settings);
+                         const Percolation& percolation, const CaveSize& size,
+                         const PassageSettings& settings, std::uint64_t seed);
 
 /// Point primitives that open the passages, the rooms and the dolines. Passages are broad under hard beds,
 /// have a slot cut into their floor here and there, and grooves along soft beds; rooms have roofs that follow
 /// the bedding, stepped towards the walls.
-field::NodePtr carve_passages(const CaveSystem& caves, const Ground& ground, const PassageSettings& settings);
+field::NodePtr carve_passages(const CaveSystem& caves, const Ground& ground, const CaveSize& size,
+                              const PassageSettings& settings, std::uint64_t seed);
 
 /// For each network whether all its passages are open in `field` from end to end.
 std::vector<bool> open_networks(const field::CompiledField& field, const CaveSystem& caves);

@@ -1,8 +1,13 @@
+// Water works its way down: a queue of candidate points by the resistance of the way to them, spheres around
+// carved points that keep others off, tunnels out at faces, links between networks that meet, and at last the
+// ways down to the springs.
+
 #include "tafoni/landforms/karst/percolation.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <queue>
 
 #include "tafoni/core/random.h"
@@ -11,37 +16,42 @@
 namespace tafoni::landforms::impl {
 namespace {
 
-constexpr double full_turn = 6.28318530717958647692;
+enum class Stream : std::uint64_t { directions = 0x70 };
+
+constexpr double full_turn = 2 * std::numbers::pi;
+
+// Chosen by eye; lengths in spacings unless said otherwise.
+constexpr double shortest_step = 1.001, longest_step = 1.4;  // of a way: just outside the sphere it leaves
+constexpr double reach_up = 0.35, reach_aside = 0.5;         // how far a way's end moves to softer rock
+constexpr float detour = 0.03f;        // resistance by which softer rock must be softer to be worth moving to
+constexpr double mouths_apart = 3;     // between ways out of the rock
+constexpr double spring_covers = 1.2;  // covers behind a spring at which its way reaches it
+constexpr double near_spring = 1.2;    // from there a way goes straight to its spring
+constexpr double straightness = 0.33;  // weight of the detour against the rock on the way to a spring
+constexpr int most_spring_steps = 10000;  // a way that circles in its rock for longer is given up
 
 class Percolator {
  public:
-  Percolator(const field::CompiledField& field, const Ground& ground, const PercolationSettings& s,
-             Progress& progress)
+  Percolator(const field::CompiledField& field, const Ground& ground, const PercolationSettings& settings,
+             const PercolationSpace& space, Progress& progress)
       : field_(field),
         ground_(ground),
-        s_(s),
+        s_(settings),
+        space_(space),
         progress_(progress),
-        random_(s.seed, 0x70),
-        spheres_(2 * s.spacing),
-        mouths_(6 * s.spacing) {}
+        random_(space.seed, Stream::directions),
+        spheres_(2 * space.spacing),
+        mouths_(2 * mouths_apart * space.spacing) {}
 
-  Percolation run(const std::vector<Vec3d>& seeds, const std::vector<Vec3d>& springs) {
-    for (std::size_t i = 0; i < seeds.size(); ++i) {
-      if (spheres_.any_near(seeds[i], s_.spacing)) continue;
-      const auto start = static_cast<std::int32_t>(tops_.size());
-      tops_.push_back(seeds[i].z);
-      network_.push_back(start);
-      carved_of_.push_back(0);
-      // Seeds come first: where water enters is given, only its way on follows the rock.
-      push(seeds[i], -1, start, -1, ground_.resistance(seeds[i]));
-    }
-    progress_.begin("percolating", tops_.size() * s_.points_per_seed, "points");
+  Percolation run(const Entrances& entrances) {
+    for (Vec3d seed : entrances.seeds) begin(seed);
+    progress_.begin("percolating", tops_.size() * space_.points_per_seed, "points");
     while (!queue_.empty()) {
       const Candidate next = queue_.top();
       queue_.pop();
-      auto& carved = carved_of_[static_cast<std::size_t>(next.start)];
+      auto& carved = carved_of_[next.start];
       const bool is_seed = next.parent < 0;
-      if (!is_seed && (next.rho >= s_.threshold || carved >= s_.points_per_seed)) continue;
+      if (!is_seed && (next.rho >= s_.resistance || carved >= space_.points_per_seed)) continue;
       ++carved;
       progress_.advance();
       const auto node = static_cast<std::int32_t>(result_.nodes.size());
@@ -50,7 +60,7 @@ class Percolator {
       propagate(node);
     }
     progress_.end();
-    for (Vec3d spring : springs) resurge(spring);
+    for (Vec3d spring : entrances.springs) resurge(spring);
     return std::move(result_);
   }
 
@@ -71,6 +81,16 @@ class Percolator {
     double resistance = 0;       ///< mean on the way
   };
 
+  /// Seeds come first in the queue: where water enters is given, only its way on follows the rock.
+  void begin(Vec3d seed) {
+    if (spheres_.any_near(seed, space_.spacing)) return;
+    const auto start = static_cast<std::int32_t>(tops_.size());
+    tops_.push_back(seed.z);
+    network_.push_back(start);
+    carved_of_.push_back(0);
+    push(seed, -1, start, -1, ground_.resistance(seed));
+  }
+
   void push(Vec3d p, std::int32_t parent, std::int32_t start, double key, double rho) {
     queue_.push({key, spheres_.insert(p), parent, start, rho, p});
     node_of_.push_back(-1);
@@ -84,16 +104,16 @@ class Percolator {
   }
 
   void propagate(std::int32_t node) {
-    const CaveNode from = result_.nodes[static_cast<std::size_t>(node)];
-    std::vector<Way> ways(static_cast<std::size_t>(s_.directions));
+    const CaveNode from = result_.nodes[node];
+    std::vector<Way> ways(s_.directions);
     for (Way& way : ways) {
-      way.to = from.position + direction() * (s_.spacing * random_.uniform(1.001, 1.4));
+      way.to = from.position + direction() * (space_.spacing * random_.uniform(shortest_step, longest_step));
       way.chance = random_.uniform();
     }
     settle(from, ways);
     bool out = false;
     for (const Way& way : ways) {
-      if (!ground_.usable(way.to, s_.spacing)) continue;
+      if (!ground_.usable(way.to, space_.spacing)) continue;
       if (field_.value(way.to) <= 0) {
         if (!out && from.parent >= 0) out = emerge(node, from.position, way.to);
         continue;
@@ -105,8 +125,8 @@ class Percolator {
 
   /// Moves each end to the least resistance about it, a bed or a fault, and weighs the rock on the way there.
   void settle(const CaveNode& from, std::vector<Way>& ways) {
-    const double lowest = std::max(s_.base_z, tops_[static_cast<std::size_t>(from.start)] - s_.depth);
-    const double up = 0.35 * s_.spacing, aside = 0.5 * s_.spacing;
+    const double lowest = std::max(space_.base_z, tops_[from.start] - s_.depth);
+    const double up = reach_up * space_.spacing, aside = reach_aside * space_.spacing;
     probes_.clear();
     for (Way& way : ways) {
       if (from.parent < 0) way.to = under_cover(way.to);
@@ -126,18 +146,16 @@ class Percolator {
     for (std::size_t i = 0; i < ways.size(); ++i) {
       std::size_t best = i * tries;
       for (std::size_t k = best; k < (i + 1) * tries; ++k)
-        // A longer detour must be worth it.
-        if (rho_[k] + (k % tries == 0 ? 0.0f : 0.03f) < rho_[best]) best = k;
+        if (rho_[k] + (k % tries == 0 ? 0.0f : detour) < rho_[best]) best = k;
       ways[i].to = probes_[best];
-      ways[i].rho = static_cast<double>(rho_[best]);
+      ways[i].rho = rho_[best];
     }
     probes_.clear();
     for (const Way& way : ways)
       for (double t : {0.25, 0.5, 0.75}) probes_.push_back(from.position + (way.to - from.position) * t);
     weigh(probes_);
     for (std::size_t i = 0; i < ways.size(); ++i)
-      ways[i].resistance =
-          0.25 * (ways[i].rho + static_cast<double>(rho_[3 * i] + rho_[3 * i + 1] + rho_[3 * i + 2]));
+      ways[i].resistance = 0.25 * (ways[i].rho + (rho_[3 * i] + rho_[3 * i + 1] + rho_[3 * i + 2]));
   }
 
   void weigh(const std::vector<Vec3d>& points) {
@@ -147,30 +165,30 @@ class Percolator {
 
   /// Where a seed's first step gets under cover at once, if that is not too far down.
   Vec3d under_cover(Vec3d to) const {
-    const double step = 0.25 * s_.cover;
+    const double step = 0.25 * space_.cover;
     for (int i = 0; i < 24; ++i, to.z -= step)
-      if (field_.value(to + Vec3d{0, 0, 1.05 * s_.cover}) > 0 && field_.value(to) > 0) return to;
+      if (field_.value(to + Vec3d{0, 0, 1.05 * space_.cover}) > 0 && field_.value(to) > 0) return to;
     return to;
   }
 
   /// Whether the sphere of `to` is taken. Links to what takes it if that is a tunnel of another network.
   bool merge(std::int32_t node, Vec3d to) {
     std::int32_t other = -1;
-    double nearest = s_.spacing * s_.spacing;
-    const bool taken = spheres_.near(to, s_.spacing, [&](std::uint32_t id, double d2) {
+    double nearest = space_.spacing * space_.spacing;
+    const bool taken = spheres_.near(to, space_.spacing, [&](std::uint32_t id, double d2) {
       const std::int32_t carved = node_of_[id];
       if (carved >= 0 && d2 < nearest && carved != node) {
         nearest = d2;
         other = carved;
       }
       return false;
-    }) || spheres_.any_near(to, s_.spacing);
+    }) || spheres_.any_near(to, space_.spacing);
     if (other >= 0) {
-      const CaveNode& a = result_.nodes[static_cast<std::size_t>(node)];
-      const CaveNode& b = result_.nodes[static_cast<std::size_t>(other)];
+      const CaveNode& a = result_.nodes[node];
+      const CaveNode& b = result_.nodes[other];
       const std::int32_t na = find(a.start), nb = find(b.start);
       if (na != nb && b.parent >= 0 && covered(a, b.position)) {
-        network_[static_cast<std::size_t>(na)] = nb;
+        network_[na] = nb;
         result_.merges.emplace_back(node, other);
       }
     }
@@ -178,8 +196,7 @@ class Percolator {
   }
 
   std::int32_t find(std::int32_t start) const {
-    while (network_[static_cast<std::size_t>(start)] != start)
-      start = network_[static_cast<std::size_t>(start)];
+    while (network_[start] != start) start = network_[start];
     return start;
   }
 
@@ -191,7 +208,7 @@ class Percolator {
       if (from.parent < 0 && i < probes) continue;
       const Vec3d p = from.position + (to - from.position) * t;
       for (const Vec3d d : {Vec3d{0, 0, 0}, {0, 0, 1}, {0.8, 0, 0}, {-0.8, 0, 0}, {0, 0.8, 0}, {0, -0.8, 0}})
-        if (field_.value(p + d * s_.cover) <= 0) return false;
+        if (field_.value(p + d * space_.cover) <= 0) return false;
     }
     return true;
   }
@@ -209,16 +226,16 @@ class Percolator {
     }
     if (node < 0) return;
     const Vec3d outward = outward_at(spring);
-    const Vec3d inside = spring - outward * (1.2 * s_.cover);
-    for (int step = 0; step < 10000; ++step) {
-      const CaveNode from = result_.nodes[static_cast<std::size_t>(node)];
+    const Vec3d inside = spring - outward * (spring_covers * space_.cover);
+    for (int step = 0; step < most_spring_steps; ++step) {
+      const CaveNode from = result_.nodes[node];
       const Vec3d left = inside - from.position;
-      if (length(left) < 1.2 * s_.spacing) break;
+      if (length(left) < near_spring * space_.spacing) break;
       const Vec3d ahead = normalized(left), aside = normalized(Vec3d{-ahead.y, ahead.x, 0});
       probes_.clear();
       for (double turn : {0.0, 0.5, -0.5, 1.0, -1.0})
         for (double drop : {0.0, -0.3, 0.3}) {
-          Vec3d p = from.position + normalized(ahead + aside * turn + Vec3d{0, 0, drop}) * s_.spacing;
+          Vec3d p = from.position + normalized(ahead + aside * turn + Vec3d{0, 0, drop}) * space_.spacing;
           p.z = std::clamp(p.z, std::min(inside.z, from.position.z), from.position.z);
           probes_.push_back(p);
         }
@@ -227,20 +244,19 @@ class Percolator {
       float least = std::numeric_limits<float>::max();
       for (std::size_t i = 0; i < probes_.size(); ++i) {
         if (field_.value(probes_[i]) <= 0) continue;
-        // Three parts by the rock, one by how straight it leads there.
-        const double detour = length(inside - probes_[i]) - (length(left) - s_.spacing);
-        const float cost = rho_[i] + static_cast<float>(0.33 * detour / s_.spacing);
+        const double lost = length(inside - probes_[i]) - (length(left) - space_.spacing);
+        const float cost = rho_[i] + static_cast<float>(straightness * lost / space_.spacing);
         if (cost >= least) continue;
         least = cost;
         best = i;
       }
-      node = extend(node, probes_[best], static_cast<double>(rho_[best]));
+      node = extend(node, probes_[best], rho_[best]);
     }
     result_.exits.push_back({extend(node, inside, ground_.resistance(inside)), spring, outward});
   }
 
   std::int32_t extend(std::int32_t node, Vec3d p, double rho) {
-    const std::int32_t start = result_.nodes[static_cast<std::size_t>(node)].start;
+    const std::int32_t start = result_.nodes[node].start;
     result_.nodes.push_back({p, node, start, rho});
     return static_cast<std::int32_t>(result_.nodes.size() - 1);
   }
@@ -261,7 +277,7 @@ class Percolator {
     }
     const Vec3d at = from + (to - from) * inside;
     const Vec3d outward = outward_at(at);
-    if (outward.z > s_.face_z || mouths_.any_near(at, 3 * s_.spacing)) return false;
+    if (outward.z > space_.face_z || mouths_.any_near(at, mouths_apart * space_.spacing)) return false;
     mouths_.insert(at);
     result_.exits.push_back({node, at, outward});
     return true;
@@ -270,6 +286,7 @@ class Percolator {
   const field::CompiledField& field_;
   const Ground& ground_;
   const PercolationSettings& s_;
+  const PercolationSpace& space_;
   Progress& progress_;
   Random random_;
   SpatialHash spheres_, mouths_;
@@ -285,10 +302,10 @@ class Percolator {
 
 }  // namespace
 
-Percolation percolate(const field::CompiledField& field, const Ground& ground,
-                      const std::vector<Vec3d>& seeds, const std::vector<Vec3d>& springs,
-                      const PercolationSettings& settings, Progress& progress) {
-  return Percolator(field, ground, settings, progress).run(seeds, springs);
+Percolation percolate(const field::CompiledField& field, const Ground& ground, const Entrances& entrances,
+                      const PercolationSettings& settings, const PercolationSpace& space,
+                      Progress& progress) {
+  return Percolator(field, ground, settings, space, progress).run(entrances);
 }
 
 }  // namespace tafoni::landforms::impl

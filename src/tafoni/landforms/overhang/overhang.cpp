@@ -1,16 +1,26 @@
+// Faces that bulge out over their feet: space is warped sideways by noise that changes with height, under a
+// control that is 1 on steep ground and fades around it, so that level ground stays as it is.
+
 #include <algorithm>
 #include <cmath>
 
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/landform.h"
-#include "tafoni/landforms/rock/erosion.h"
 #include "tafoni/landforms/site/ground.h"
 #include "tafoni/landforms/site/steepest.h"
 #include "tafoni/math/angle.h"
+#include "tafoni/math/smoothstep.h"
 #include "tafoni/terrain/analysis.h"
 
 namespace tafoni::landforms {
 namespace {
+
+// Chosen by eye.
+constexpr double least_bulge = 20, bulge_in_pixels = 4;  // metres: smaller ones the raster does not show
+constexpr double lateral_share = 3;                      // length of a bulge over its height
+constexpr double amplitude_share = 0.4;                  // of the height: more would tear a face into pieces
+constexpr double steep_from = 0.7;                       // of the slope: from here ground begins to move
+constexpr int widest = 64;                               // pixels that the control is grown by
 
 struct Params {
   double amplitude = 0;
@@ -25,15 +35,17 @@ const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     ParamTable<Params> t;
     t.real("amplitude", &Params::amplitude, "m", 0, 1000,
-           "most that a face moves sideways, 0 for two fifths of the vertical wavelength")
+           "Most that a face moves sideways, 0 for two fifths of the vertical wavelength")
         .real("vertical", &Params::vertical, "m", 0, 5000,
-              "height from one bulge to the next, 0 for four pixels of the terrain but 20 m at least")
+              "Height from one bulge to the next, 0 for four pixels of the terrain but 20 m at least")
         .real("lateral", &Params::lateral, "m", 0, 5000,
-              "length of a bulge along the face, 0 for three times the height; under twice the "
+              "Length of a bulge along the face, 0 for three times the height; under twice the "
               "amplitude pieces may come off")
-        .real("lift", &Params::lift, "", 0, 1, "movement up and down, as a share of the amplitude")
-        .real("slope", &Params::slope, "deg", 10, 89, "slope from which ground is a face and moves fully")
-        .integer("octaves", &Params::octaves, "", 1, 6, "levels of detail of the movement");
+        .real("lift", &Params::lift, "", 0, 1,
+              "Movement up and down, as a share of the amplitude; more makes noses and hoods")
+        .real("slope", &Params::slope, "deg", 10, 89, "Slope from which ground is a face and moves fully")
+        .integer("octaves", &Params::octaves, "", 1, 6,
+                 "Levels of detail of the movement, 1 for smooth bulges");
     return t;
   }();
   return params;
@@ -67,11 +79,10 @@ std::shared_ptr<const raster::Raster> faces(const Site& site, double slope, doub
                                             Progress& progress) {
   auto mask = std::make_shared<raster::Raster>(*site.heights);
   const Grid steepness = terrain::slope(*site.heights, progress);
-  const double full = std::tan(slope * degree), none = std::tan(0.7 * slope * degree);
-  const int radius = std::clamp(static_cast<int>(std::lround(reach / site.heights->placement.dx)), 1, 64);
+  const double full = std::tan(slope * degree), none = std::tan(steep_from * slope * degree);
+  const int radius = std::clamp(static_cast<int>(std::lround(reach / site.heights->placement.dx)), 1, widest);
   for (std::size_t i = 0; i < steepness.size(); ++i)
-    mask->values.values()[i] =
-        static_cast<float>(smoothstep(none, full, static_cast<double>(steepness.values()[i])));
+    mask->values.values()[i] = static_cast<float>(smoothstep(none, full, double{steepness.values()[i]}));
   mask->values = spread(spread(mask->values, radius + 1, false), radius, true);
   progress.check();
   if (!site.valid) return mask;
@@ -88,9 +99,9 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   assign(table().infos(), &p, values, "overhang");
   const impl::Ground ground(site);
   field::WarpSettings warp;
-  warp.vertical = p.vertical > 0 ? p.vertical : std::max(20.0, 4 * ground.pixel());
-  warp.lateral = p.lateral > 0 ? p.lateral : 3 * warp.vertical;
-  const double amplitude = p.amplitude > 0 ? p.amplitude : 0.4 * warp.vertical;
+  warp.vertical = p.vertical > 0 ? p.vertical : std::max(least_bulge, bulge_in_pixels * ground.pixel());
+  warp.lateral = p.lateral > 0 ? p.lateral : lateral_share * warp.vertical;
+  const double amplitude = p.amplitude > 0 ? p.amplitude : amplitude_share * warp.vertical;
   warp.amplitude = {amplitude, amplitude, p.lift * amplitude};
   warp.octaves = static_cast<int>(p.octaves);
   warp.seed = site.seed;
@@ -103,11 +114,11 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
     for (int row = 0; row < mask->height(); ++row)
       for (int col = 0; col < mask->width(); ++col) {
         const Vec2d at = mask->placement.center(col, row);
-        const double z = static_cast<double>(site.heights->values.at(col, row));
-        if (ground.usable({at.x, at.y, z})) area += static_cast<double>(mask->values.at(col, row));
+        const double z = site.heights->values.at(col, row);
+        if (ground.usable({at.x, at.y, z})) area += mask->values.at(col, row);
       }
   area *= mask->placement.dx * mask->placement.dy;
-  result.report = {{"area_m2", area}, {"amplitude_m", amplitude}, {"primitives", std::int64_t{0}}};
+  result.facts.area("area", area).length("amplitude", amplitude).count("primitives", 0);
   if (area <= 0) return result;
   Region region = site.region ? *site.region : Region();
   region.limit_mask(mask);

@@ -1,6 +1,9 @@
+// The ground as layers of columns: a box of rock, or the terrain as it stands, is dug and built by spheres at
+// random places and by tools from a table. A box joins the terrain; dug terrain takes its place.
+
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <limits>
 
 #include <fmt/core.h>
 
@@ -8,6 +11,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/geology/geology.h"
 #include "tafoni/landforms/landform.h"
+#include "tafoni/landforms/prism-field/hill_tunnel.h"
 #include "tafoni/landforms/prism-field/tool_rows.h"
 #include "tafoni/landforms/rock/replaced.h"
 #include "tafoni/landforms/site/ground.h"
@@ -22,7 +26,22 @@ using volume::Edit;
 using volume::PrismFields;
 using volume::Tool;
 
-struct Params {
+enum class Stream : std::uint64_t { spheres = 0x9715 };
+
+// Chosen by eye.
+constexpr double least_sphere = 0.03, most_sphere = 0.09;  // of the shortest side
+constexpr double open_ends = 2;                            // radii that a tunnel is bored beyond its mouths
+constexpr double bedding_most = 0.75;      // of the terrain's amplitude: beyond it walls would break open
+constexpr double depth_in_amplitudes = 2;  // of dug terrain below the deepest tool
+constexpr int most_tries = 1000;           // at a place near the sphere before
+// Beyond these, minutes and gigabytes.
+constexpr double most_columns = 0x1p25, most_samples = 0x1p33;
+// Columns stand between the planes of the scene's lattice, for most voxels: an upright face in a plane of
+// samples would end in steps of whole voxels.
+constexpr double off_lattice = 0.375;
+
+struct Params : impl::TunnelSettings {
+  Params() = default;  // g++ 12 warns of vectors in aggregates with bases
   std::string source = "terrain";
   double spacing = 0;
   std::vector<double> at;
@@ -31,8 +50,6 @@ struct Params {
   std::int64_t count = 60;
   std::vector<double> radius = {0, 0};
   double step = 0;
-  double tunnel = 0;
-  double cover = 0;
   double bedding = 0;
   double rounding = 0.7;
   Rows tools;
@@ -40,34 +57,42 @@ struct Params {
 
 const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
+    const Values box = {{"source", std::string("box")}};
     ParamTable<Params> t;
     t.choice("source", &Params::source, {"terrain", "box"},
-             "what is dug: the terrain with the layers below, or a box of rock")
+             "What is dug: the terrain with the layers below, or a box of rock")
         .real("spacing", &Params::spacing, "m", 0, 1000,
-              "between columns, 0 for the terrain's pixel; matter and air thinner than that may be lost")
+              "Distance between columns, 0 for the terrain's pixel; matter and air thinner than that may be "
+              "lost")
         .numbers(
             "at", &Params::at, "m", 0, -1e9, 1e9,
-            "of a box: x, y and z of the middle of its underside; if not given it stands on the middle of "
-            "the terrain")
-        .numbers("size", &Params::size, "m", 3, 0.1, 1e5, "of a box: its sides along x, y and z")
-        .boolean("alone", &Params::alone, "whether a box stands in place of the terrain")
+            "Middle of a box's underside, x, y and z; if not given it stands on the middle of the terrain")
+        .only("where source is box", box)
+        .numbers("size", &Params::size, "m", 3, 0.1, 1e5, "Sides of a box along x, y and z")
+        .only("where source is box", box)
+        .boolean("alone", &Params::alone, "Whether a box stands in place of the terrain")
+        .only("where source is box", box)
         .integer("count", &Params::count, "", 0, 100000,
-                 "spheres taken out at random places, before the tools")
+                 "Spheres taken out at random places, before the tools")
         .numbers("radius", &Params::radius, "m", 2, 0, 10000,
-                 "least and greatest of the spheres, 0 for 3 and 9 % of the shorter side")
+                 "Least and greatest radius of the spheres, 0 for 3 and 9 % of the shorter side")
         .real("step", &Params::step, "m", 0, 1e5,
-              "most that a sphere lies from the one before; 0 for anywhere in the rock")
+              "Most that a sphere lies from the one before, 0 for anywhere in the rock; small steps dig one "
+              "winding hollow")
         .real("tunnel", &Params::tunnel, "m", 0, 1000,
-              "radius of a level tunnel bored through the terrain's slimmest hill, 0 for none")
+              "Radius of a level tunnel bored through the terrain's slimmest hill, 0 for none")
         .real("cover", &Params::cover, "m", 0, 10000,
-              "how deep below the hill's top the tunnel runs, 0 for a quarter of the relief")
+              "How deep below the hill's top the tunnel runs, 0 for a quarter of the relief")
+        .only("where tunnel is above 0", {{"tunnel", 3.0}})
         .real("bedding", &Params::bedding, "m", 0, 100,
-              "how far soft rock recedes from the surface; at most three quarters of the terrain's amplitude")
+              "How far soft rock recedes from the surface, 0 for not at all; at most three quarters of the "
+              "terrain's "
+              "amplitude")
         .real("rounding", &Params::rounding, "", 0, 2,
-              "share of the spacing over which the teeth and stairs are taken off that columns end in; 0 "
+              "Share of the spacing over which the teeth and stairs are taken off that columns end in; 0 "
               "leaves them")
         .rows("tool", &Params::tools, impl::tool_columns(),
-              "tools applied one after another, after the spheres");
+              "Tools applied one after another, after the spheres");
     return t;
   }();
   return params;
@@ -80,7 +105,7 @@ double volume_of(const PrismFields& fields) {
   for (int j = 0; j < frame.ny; ++j) {
     fields.read({0, j, frame.nx - 1, j}, row);
     for (int i = 0; i < frame.nx; ++i)
-      for (const volume::Matter& m : row.at(i, j)) sum += static_cast<double>(m.top - m.bottom);
+      for (const volume::Matter& m : row.at(i, j)) sum += m.top - m.bottom;
   }
   return sum * frame.dx * frame.dy;
 }
@@ -88,7 +113,11 @@ double volume_of(const PrismFields& fields) {
 class Digging {
  public:
   Digging(const Ground& ground, const Params& p, Progress& progress)
-      : ground_(ground), site_(ground.site()), p_(p), progress_(progress), random_(site_.seed, 0x9715) {
+      : ground_(ground),
+        site_(ground.site()),
+        p_(p),
+        progress_(progress),
+        random_(site_.seed, Stream::spheres) {
     spacing_ = p.spacing > 0 ? p.spacing : ground.pixel();
     grain_ = std::max(spacing_, ground.pixel());
     tools_ = impl::tools_of(p.tools, site_.origin, "prism-field");
@@ -110,7 +139,7 @@ class Digging {
   Result nothing() const {
     progress_.warn("prism-field makes nothing: its box stands where the layer may not act; give another at");
     Result result;
-    result.report = {{"tools", std::int64_t{0}}, {"primitives", std::int64_t{0}}};
+    result.facts.count("tools", 0).count("primitives", 0);
     return result;
   }
 
@@ -134,13 +163,14 @@ class Digging {
   void dig(PrismFields& fields) {
     const Vec3d sides = room_.size();
     const double shorter = std::min({sides.x, sides.y, sides.z});
-    const double least = p_.radius[0] > 0 ? p_.radius[0] : 0.03 * shorter;
-    const double most = std::max(least, p_.radius[1] > 0 ? p_.radius[1] : 0.09 * shorter);
-    progress_.begin("digging", static_cast<std::uint64_t>(p_.count) + tools_.size(), "tools");
+    const double least = p_.radius[0] > 0 ? p_.radius[0] : least_sphere * shorter;
+    const double most = std::max(least, p_.radius[1] > 0 ? p_.radius[1] : most_sphere * shorter);
+    progress_.begin("digging", p_.count + tools_.size(), "tools");
     Vec3d last = somewhere();
     for (std::int64_t n = 0; n < p_.count; ++n) {
       Vec3d next = somewhere();
-      for (int tries = 0; p_.step > 0 && n > 0 && tries < 1000 && length(next - last) > p_.step; ++tries) {
+      for (int tries = 0; p_.step > 0 && n > 0 && tries < most_tries && length(next - last) > p_.step;
+           ++tries) {
         const Vec3d way{random_.uniform(-1, 1), random_.uniform(-1, 1), random_.uniform(-1, 1)};
         const Vec3d near = last + way * p_.step;
         if (room_.contains(near)) next = near;
@@ -156,63 +186,12 @@ class Digging {
     progress_.end();
   }
 
-  /// The shortest level way through a hill that has so much rock over it, with open air before both mouths.
-  void find_tunnel() {
-    const Box3d& box = ground_.box();
-    const auto [low, high] =
-        std::minmax_element(site_.heights->values.values().begin(), site_.heights->values.values().end());
-    const double cover = p_.cover > 0 ? p_.cover : 0.25 * static_cast<double>(*high - *low);
-    const Vec3d extent = box.size();
-    const double stride = std::max(2 * grain_, std::min(extent.x, extent.y) / 40);
-    const double longest = 0.6 * std::min(extent.x, extent.y), margin = 6 * grain_;
-    double least = std::numeric_limits<double>::infinity();
-    for (double y = box.lo.y + margin; y < box.hi.y - margin; y += stride)
-      for (double x = box.lo.x + margin; x < box.hi.x - margin; x += stride) {
-        const double z = ground_.height(x, y) - cover;
-        for (int turn = 0; turn < 12; ++turn) {
-          const double angle = turn * std::numbers::pi / 12;
-          const Vec3d along{std::cos(angle), std::sin(angle), 0};
-          const double most = std::min(least, longest);
-          const double ahead = way_out({x, y, z}, along, most);
-          const double back = way_out({x, y, z}, -along, most - ahead);
-          if (!(ahead + back < most) || ahead + back < 6 * p_.tunnel) continue;
-          // A mouth high in a cliff is no way in.
-          const double cost =
-              ahead + back +
-              4 * (drop(Vec3d{x, y, z} + along * ahead, along) + drop(Vec3d{x, y, z} - along * back, -along));
-          if (!(cost < least)) continue;
-          least = cost;
-          mouths_ = {Vec3d{x, y, z} + along * ahead, Vec3d{x, y, z} - along * back};
-        }
-      }
-    if (mouths_.empty()) {
-      progress_.warn(
-          fmt::format("prism-field bores no tunnel: no hill has {:.0f} m of cover over less than {:.0f} m; "
-                      "give a smaller cover",
-                      cover, longest));
-      return;
-    }
-    const Vec3d on = normalized(mouths_[0] - mouths_[1]) * (2 * p_.tunnel);
+  /// The tunnel comes before the tools that are given.
+  void bore_tunnel() {
+    mouths_ = impl::find_hill_tunnel(ground_, p_, grain_, progress_);
+    if (mouths_.empty()) return;
+    const Vec3d on = normalized(mouths_[0] - mouths_[1]) * (open_ends * p_.tunnel);
     tools_.insert(tools_.begin(), {Tool::capsule(mouths_[0] + on, mouths_[1] - on, p_.tunnel), Edit::remove});
-  }
-
-  /// From the floor at a mouth down to the ground before it.
-  double drop(Vec3d mouth, Vec3d out) const {
-    const Vec3d p = mouth + out * (2 * p_.tunnel);
-    return std::max(0.0, mouth.z - p_.tunnel - ground_.height(p.x, p.y));
-  }
-
-  /// Metres to where the ground falls below the tunnel's floor; infinite if that is beyond `most`.
-  double way_out(Vec3d from, Vec3d along, double most) const {
-    const double step = std::max(grain_, 0.25 * p_.tunnel);
-    for (double d = step; d < most; d += step) {
-      const Vec3d p = from + along * d;
-      if (!ground_.usable(p)) break;
-      if (ground_.height(p.x, p.y) >= from.z - 0.8 * p_.tunnel) continue;
-      if (ground_.usable(p, 4 * grain_)) return d;
-      break;
-    }
-    return std::numeric_limits<double>::infinity();
   }
 
   bool apply(PrismFields& fields, const Tool& tool, Edit mode) {
@@ -221,12 +200,10 @@ class Digging {
     return changed;
   }
 
-  /// Beyond these, minutes and gigabytes.
   void check_size(const Box3d& over) const {
-    constexpr double most = 0x1p25, most_samples = 0x1p33;
     const Vec3d size = over.size() * (1 / spacing_);
     const double columns = size.x * size.y, samples = columns * size.z;
-    if (columns <= most && (p_.source == "box" || samples <= most_samples)) return;
+    if (columns <= most_columns && (p_.source == "box" || samples <= most_samples)) return;
     fail(ErrorKind::usage,
          "{:.0f} x {:.0f} x {:.0f} m about what is dug and built are too much at a spacing of {:g} m; give a "
          "larger spacing or smaller tools",
@@ -234,48 +211,40 @@ class Digging {
   }
 
   void warn_of_idle() const {
-    const auto given = static_cast<std::ptrdiff_t>(tools_.size() - p_.tools.size());
+    const std::ptrdiff_t given = std::ssize(tools_) - std::ssize(p_.tools);  // the first of those that are
     for (const std::ptrdiff_t n : idle_)
       if (n >= given)
         progress_.warn(
             fmt::format("prism-field: tool, row {} changes nothing: {}", n - given + 1,
-                        tools_[static_cast<std::size_t>(n)].mode == Edit::remove
+                        tools_[n].mode == Edit::remove
                             ? "there is no matter where it digs, or the layer does not reach there"
                             : "there is matter already where it builds, or the layer does not reach there"));
     if (changed_ == 0 && p_.count > 0 && p_.tools.empty())
       progress_.warn("prism-field digs nothing: no sphere met matter; give larger ones or another region");
   }
 
-  std::vector<double> world(const std::vector<Vec3d>& places) const {
-    std::vector<double> out;
-    for (Vec3d p : places) {
-      p += site_.origin;
-      out.insert(out.end(), {p.x, p.y, p.z});
-    }
-    return out;
-  }
-
-  Result report(const PrismFields& fields, double before) const {
+  Result tell(const PrismFields& fields, double before) const {
     warn_of_idle();
     Result result;
-    result.report = {{"tools", changed_},
-                     {"columns", std::int64_t{fields.frame().nx} * fields.frame().ny},
-                     {"layers", static_cast<std::int64_t>(fields.layers())},
-                     {"volume_removed_m3", before - volume_of(fields)},
-                     {"mouths", world(mouths_)},
-                     {"bytes", static_cast<std::int64_t>(fields.bytes())},
-                     {"primitives", std::int64_t{0}}};
+    result.facts.count("tools", changed_)
+        .count("columns", std::int64_t{fields.frame().nx} * fields.frame().ny)
+        .count("layers", fields.layers())
+        .volume("volume_removed", before - volume_of(fields))
+        .places("mouths", mouths_)
+        .count("bytes", fields.bytes())
+        .count("primitives", 0);
     return result;
   }
 
   Result dig_box() {
-    // What the tools add may reach out. Columns stand between the planes of the scene's lattice, for most
-    // voxels: an upright face in a plane of samples would end in steps of whole voxels.
+    // What the tools add may reach out.
     Box3d over = room_;
     for (const ToolUse& use : tools_)
       if (use.mode == Edit::add) over.expand(use.tool.bounds());
     check_size(over);
-    const auto down = [&](double v) { return (std::floor(v / spacing_ - 0.375) + 0.375) * spacing_; };
+    const auto down = [&](double v) {
+      return (std::floor(v / spacing_ - off_lattice) + off_lattice) * spacing_;
+    };
     const volume::ColumnFrame frame{
         {down(over.lo.x), down(over.lo.y), 0},
         spacing_,
@@ -287,7 +256,7 @@ class Digging {
     fields.apply(Tool::box(room_.center(), half + Vec3d{1e-6, 1e-6, 0}), Edit::add);
     const double before = volume_of(fields);
     dig(fields);
-    Result result = report(fields, before);
+    Result result = tell(fields, before);
     const auto leaf = wear(nullptr)(
         field::function(volume::as_function(fields, {.reach = site_.amplitude, .rounding = p_.rounding})));
     result.reshaped = p_.alone ? Box3d::everything() : over.grown(2 * spacing_ + site_.amplitude);
@@ -311,18 +280,18 @@ class Digging {
   }
 
   Result dig_terrain() {
-    if (p_.tunnel > 0) find_tunnel();
+    if (p_.tunnel > 0) bore_tunnel();
     Box3d over = room_.grown(4 * spacing_);
     for (const ToolUse& use : tools_) {
       over.lo.z = std::min(over.lo.z, use.tool.bounds().lo.z);
       over.hi.z = std::max(over.hi.z, use.tool.bounds().hi.z);
     }
-    over.lo.z -= 2 * site_.amplitude;
+    over.lo.z -= depth_in_amplitudes * site_.amplitude;
     check_size(over);
     PrismFields fields = volume::prism_from(field::compile(site_.terrain), over, spacing_, progress_);
     const double before = volume_of(fields);
     dig(fields);
-    Result result = report(fields, before);
+    Result result = tell(fields, before);
     const auto leaf = volume::as_function(
         fields, {.reach = site_.amplitude, .floor = fields.frame().origin.z + 1e-3, .rounding = p_.rounding});
     // Up and down it goes as far as the region does.
@@ -344,7 +313,7 @@ class Digging {
 
   /// Takes soft beds back, within the region.
   std::function<field::NodePtr(field::NodePtr)> wear(const field::FunctionPtr& where) const {
-    const double depth = std::min(p_.bedding, 0.75 * site_.amplitude);
+    const double depth = std::min(p_.bedding, bedding_most * site_.amplitude);
     if (!(depth > 0) || !site_.geology) return [](field::NodePtr tree) { return tree; };
     const auto hardness = geology::as_function(site_.geology);
     return [=](field::NodePtr tree) { return field::erode(std::move(tree), where, hardness, depth); };
@@ -374,7 +343,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   const Ground ground(site);
   if (ground.box().empty()) {
     Result result;
-    result.report = {{"tools", std::int64_t{0}}, {"primitives", std::int64_t{0}}};
+    result.facts.count("tools", 0).count("primitives", 0);
     return result;
   }
   return Digging(ground, p, progress).run();

@@ -1,3 +1,5 @@
+// One row is one tool; which of its columns count depends on the tool's shape.
+
 #include "tafoni/landforms/prism-field/tool_rows.h"
 
 #include <numbers>
@@ -39,15 +41,15 @@ Tool tool_of(const Row& row, Vec3d origin, const std::string& where) {
 }  // namespace
 
 std::vector<ParamInfo> tool_columns() {
-  return {choice_column("tool", "sphere", {"sphere", "capsule", "box", "hull"}, "its shape"),
-          choice_column("mode", "remove", {"remove", "add"}, "what it does"),
-          numbers_column("at", "", "m", 3, -1e9, 1e9, "x, y and z of its middle, of a capsule of one end"),
-          numbers_column("to", "", "m", 3, -1e9, 1e9, "of a capsule's other end"),
-          numbers_column("radius", "", "m", 1, 0.001, 10000, "of a sphere or a capsule"),
-          numbers_column("size", "", "m", 3, 0.001, 10000, "sides of a box along x, y and z"),
+  return {choice_column("tool", "sphere", {"sphere", "capsule", "box", "hull"}, "Its shape"),
+          choice_column("mode", "remove", {"remove", "add"}, "Whether it takes matter out or puts it there"),
+          numbers_column("at", "", "m", 3, -1e9, 1e9, "Its middle, x, y and z; of a capsule, one end"),
+          numbers_column("to", "", "m", 3, -1e9, 1e9, "Of a capsule, the other end"),
+          numbers_column("radius", "", "m", 1, 0.001, 10000, "Of a sphere or a capsule"),
+          numbers_column("size", "", "m", 3, 0.001, 10000, "Sides of a box along x, y and z"),
           numbers_column("turn", "0", "deg", 1, -3600, 3600,
-                         "of a box about the vertical, counter-clockwise from above"),
-          numbers_column("points", "", "m", 0, -1e9, 1e9, "of a hull: x, y and z of each, at least four")};
+                         "Of a box, how far it is turned about the vertical, counter-clockwise from above"),
+          numbers_column("points", "", "m", 0, -1e9, 1e9, "Of a hull, x, y and z of each, at least four")};
 }
 
 std::vector<ToolUse> tools_of(const Rows& rows, Vec3d origin, std::string_view where) {

@@ -1,3 +1,6 @@
+// A block is a prism with cut corners whose width falls by steps; a tower is the union of its blocks. Cells
+// of a grid in plan hold the towers near them, so that a point looks at few.
+
 #include "tafoni/landforms/spires/towers.h"
 
 #include <algorithm>
@@ -8,6 +11,10 @@ namespace {
 
 constexpr double far_away = -1e6;
 
+// Chosen by eye.
+constexpr double flare_height = 0.14, flare = 0.22;  // of a block's height, and how much broader its foot is
+constexpr double top_slope = 0.9;  // keeps a tilted top's distance from being more than it is
+
 /// The share of the extents at a height: steps, and broader where it stands on the ground.
 double share(const Block& block, double h) {
   const double u = std::clamp(h / block.top, 0.0, 1.0) * static_cast<double>(block.widths.size() - 1);
@@ -15,8 +22,8 @@ double share(const Block& block, double h) {
   // Two thirds of each storey rise straight, the rest draws in.
   const double t = std::clamp(3 * (u - static_cast<double>(i)) - 2, 0.0, 1.0);
   const double w = block.widths[i] + (block.widths[i + 1] - block.widths[i]) * t;
-  const double low = std::clamp(1 - h / (0.14 * block.top), 0.0, 2.0);
-  return w * (1 + 0.22 * low * low);
+  const double low = std::clamp(1 - h / (flare_height * block.top), 0.0, 2.0);
+  return w * (1 + flare * low * low);
 }
 
 struct Frame {
@@ -31,7 +38,7 @@ double block_body(const Block& b, Vec3d p, double foot) {
   const double x = std::abs(d.x * f.u.x + d.y * f.u.y), y = std::abs(d.x * f.v.x + d.y * f.v.y);
   const double corner = ((b.half.x + b.half.y) * k - b.cut - x - y) * 0.7071;
   const double side = std::min({b.half.x * k - x, b.half.y * k - y, corner});
-  return std::min(side, (b.top - h + b.tilt.x * d.x + b.tilt.y * d.y) * 0.9);
+  return std::min(side, (b.top - h + b.tilt.x * d.x + b.tilt.y * d.y) * top_slope);
 }
 
 }  // namespace
@@ -47,12 +54,11 @@ Towers::Towers(std::vector<Tower> towers, const RockTexture& texture)
   cell_ = std::max(widest, std::max(box_.size().x, box_.size().y) / 512);
   columns_ = static_cast<int>(box_.size().x / cell_) + 1;
   rows_ = static_cast<int>(box_.size().y / cell_) + 1;
-  cells_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
-  for (std::size_t i = 0; i < towers_.size(); ++i) {
+  cells_.resize(std::size_t{1} * columns_ * rows_);
+  for (std::uint32_t i = 0; i < towers_.size(); ++i) {
     const auto [c0, c1, r0, r1] = cells(reaches_[i]);
     for (int r = r0; r <= r1; ++r)
-      for (int c = c0; c <= c1; ++c)
-        cells_[static_cast<std::size_t>(r * columns_ + c)].towers.push_back(static_cast<std::uint32_t>(i));
+      for (int c = c0; c <= c1; ++c) cells_[r * columns_ + c].towers.push_back(i);
   }
 }
 
@@ -80,7 +86,7 @@ double Towers::body(Vec3d p) const {
   if (!box_.contains(p)) return far_away;
   const auto [c, c1, r, r1] = cells({p, p});
   double most = far_away;
-  for (std::uint32_t i : cells_[static_cast<std::size_t>(r * columns_ + c)].towers) {
+  for (std::uint32_t i : cells_[r * columns_ + c].towers) {
     if (!reaches_[i].contains(p)) continue;
     const Tower& tower = towers_[i];
     const double below = p.z - (tower.foot.z - tower.sunk);
@@ -96,7 +102,7 @@ RockShape::Range Towers::body_range(const Box3d& box) const {
   const auto [c0, c1, r0, r1] = cells(box);
   for (int r = r0; r <= r1; ++r)
     for (int c = c0; c <= c1; ++c)
-      for (std::uint32_t i : cells_[static_cast<std::size_t>(r * columns_ + c)].towers) {
+      for (std::uint32_t i : cells_[r * columns_ + c].towers) {
         if (!reaches_[i].overlaps(box)) continue;
         const Tower& tower = towers_[i];
         for (const Block& b : tower.blocks) {
@@ -116,7 +122,7 @@ RockShape::Range Towers::body_range(const Box3d& box) const {
           const auto bound = [&](double k, double sign, double low, double below) {
             const double corner = ((b.half.x + b.half.y) * k - b.cut - x - y + sign * (rx + ry)) * 0.7071;
             return std::min({b.half.x * k - x + sign * rx, b.half.y * k - y + sign * ry, corner,
-                             (top - low + sign * lift) * 0.9, below});
+                             (top - low + sign * lift) * top_slope, below});
           };
           const double sole = tower.foot.z - tower.sunk;
           range.hi = std::max(range.hi, bound(wide, 1, h0, box.hi.z - sole));

@@ -1,3 +1,6 @@
+// Cliffs whose soft beds recede: an erosion of the terrain's field by the geology's resistance with fine
+// laminae, where a control says that there is a face or rock behind one.
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -5,11 +8,11 @@
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/landform.h"
-#include "tafoni/landforms/rock/erosion.h"
 #include "tafoni/landforms/site/control.h"
 #include "tafoni/landforms/site/ground.h"
 #include "tafoni/math/angle.h"
 #include "tafoni/math/noise.h"
+#include "tafoni/math/smoothstep.h"
 #include "tafoni/terrain/analysis.h"
 
 namespace tafoni::landforms {
@@ -18,6 +21,20 @@ namespace {
 using impl::Ground;
 using impl::Range;
 using impl::RangedRaster;
+
+enum class Stream : std::uint64_t { laminae = 0x57 };
+
+// Chosen by eye.
+constexpr double depth_share = 0.75;  // of the terrain's amplitude: beyond it faces would break up
+constexpr double least_wavelength = 8, wavelength_in_pixels = 4;  // metres
+constexpr double slope_margin = 5;                // degrees over which ground turns into a face
+constexpr double steepest_slope = 89.5;           // degrees; the tangent of 90 has no end
+constexpr double behind_in_depths = 1.5;          // rock behind a face that may recede
+constexpr double around_share = 0.25;             // of that: how far the face itself is grown
+constexpr double fade_from = 0.3, fade_to = 1.3;  // fades below the ground's surface
+constexpr double laminae_most = 0.6;              // of resistance, at full detail
+constexpr int laminae_octaves = 3;
+constexpr double flatness = 7;  // how many times longer laminae are than high
 
 struct Params {
   double depth = 0;
@@ -31,23 +48,22 @@ const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     ParamTable<Params> t;
     t.real("depth", &Params::depth, "m", 0, 1000,
-           "how far the softest beds recede, 0 for three quarters of the terrain field's amplitude")
-        .real("slope", &Params::slope, "deg", 1, 89, "slope from which ground counts as a cliff face")
+           "How far the softest beds recede, 0 for three quarters of the terrain field's amplitude")
+        .real("slope", &Params::slope, "deg", 1, 89, "Slope from which ground counts as a cliff face")
         .real("fade", &Params::fade, "m", 0, 1000,
-              "width over which erosion begins at the borders of a region and below the ground's surface "
-              "behind "
-              "a face, 0 for the depth")
-        .real("detail", &Params::detail, "", 0, 1, "strength of fine laminae within the beds")
+              "Width over which erosion begins at the borders of a region and below the ground's surface "
+              "behind a face, 0 for the depth")
+        .real("detail", &Params::detail, "", 0, 1, "Strength of fine laminae within the beds, 0 for none")
         .real(
             "wavelength", &Params::wavelength, "m", 0, 1000,
-            "length of the laminae's unevenness, 0 for 8 m or four pixels of the terrain, whichever is more");
+            "Length of the laminae's unevenness, 0 for 8 m or four pixels of the terrain, whichever is more");
     return t;
   }();
   return params;
 }
 
 /// A mask grown by `radius` cells, then smoothed over as many.
-raster::Grid<float> widened(const raster::Grid<float>& mask, int radius) {
+raster::Grid<float> widen(const raster::Grid<float>& mask, int radius) {
   raster::Grid<float> a = mask, b(mask.width(), mask.height());
   const auto pass = [&](const auto& combine) {
     for (const bool along : {true, false}) {
@@ -105,8 +121,8 @@ class Faces final : public field::Function {
     const Interval region = region_ ? region_->range(box) : Interval{1, 1};
     if (region.hi == 0) return {0, 0};
     const Range face = face_.over(box), height = heights_.over(box);
-    const double lo = mixed(face.lo, behind.lo, height.lo - box.hi.z);
-    const double hi = mixed(face.hi, behind.hi, height.hi - box.lo.z);
+    const double lo = mix(face.lo, behind.lo, height.lo - box.hi.z);
+    const double hi = mix(face.hi, behind.hi, height.hi - box.lo.z);
     constexpr double slack = 1e-5;
     const bool within = box_.contains(box.lo) && box_.contains(box.hi);
     return {within ? std::max(0.f, static_cast<float>(lo - slack) * region.lo) : 0.f,
@@ -118,11 +134,11 @@ class Faces final : public field::Function {
  private:
   double faces(Vec3d p) const {
     const double behind = behind_.at(p);
-    return behind > 0 ? mixed(face_.at(p), behind, heights_.at(p) - p.z) : 0;
+    return behind > 0 ? mix(face_.at(p), behind, heights_.at(p) - p.z) : 0;
   }
-  double mixed(double face, double behind, double under) const {
+  double mix(double face, double behind, double under) const {
     const double least = std::min(face, behind);
-    return least + (behind - least) * smoothstep(0.3 * fade_, 1.3 * fade_, under);
+    return least + (behind - least) * smoothstep(fade_from * fade_, fade_to * fade_, under);
   }
 
   RangedRaster heights_, face_, behind_;
@@ -151,7 +167,7 @@ class Laminated final : public field::Function {
         const Vec3d p = points[i + k] + origin_;
         scaled[k] = {p.x / wavelength_, p.y / wavelength_, p.z * flatness / wavelength_};
       }
-      fbm(std::span(scaled).first(n), 3, seed_, std::span(noise).first(n));
+      fbm(std::span(scaled).first(n), laminae_octaves, seed_, std::span(noise).first(n));
       for (std::size_t k = 0; k < n; ++k)
         out[i + k] = std::clamp(out[i + k] + static_cast<float>(strength_) * 2 * (noise[k] - 0.5f), 0.f, 1.f);
     }
@@ -165,7 +181,6 @@ class Laminated final : public field::Function {
 
  private:
   static constexpr std::size_t block = 128;
-  static constexpr double flatness = 7;
 
   field::FunctionPtr rho_;
   double strength_, wavelength_;
@@ -176,9 +191,10 @@ class Laminated final : public field::Function {
 class Cliff {
  public:
   Cliff(const Site& site, const Params& p, Progress& progress) : ground_(site), p_(p), progress_(progress) {
-    if (!(p_.depth > 0)) p_.depth = 0.75 * site.amplitude;
+    if (!(p_.depth > 0)) p_.depth = depth_share * site.amplitude;
     if (!(p_.fade > 0)) p_.fade = p_.depth;
-    if (!(p_.wavelength > 0)) p_.wavelength = std::max(8.0, 4 * ground_.pixel());
+    if (!(p_.wavelength > 0))
+      p_.wavelength = std::max(least_wavelength, wavelength_in_pixels * ground_.pixel());
   }
 
   Result run() {
@@ -187,9 +203,9 @@ class Cliff {
     double area = 0;
     if (!box.empty()) {
       const auto faces = steep(area);
-      if (area > 0) result = eroded(faces, box);
+      if (area > 0) result = erode(faces, box);
     }
-    result.report = {{"primitives", std::int64_t{0}}, {"face_m2", area}, {"depth_m", p_.depth}};
+    result.facts.count("primitives", 0).area("face", area).length("depth", p_.depth);
     return result;
   }
 
@@ -198,12 +214,12 @@ class Cliff {
   raster::Grid<float> steep(double& area) {
     const raster::Raster& heights = *ground_.site().heights;
     raster::Grid<float> faces = terrain::slope(heights, progress_);
-    const double from = std::tan((p_.slope - 5) * degree),
-                 to = std::tan(std::min(p_.slope + 5, 89.5) * degree);
+    const double from = std::tan((p_.slope - slope_margin) * degree),
+                 to = std::tan(std::min(p_.slope + slope_margin, steepest_slope) * degree);
     const double pixel = heights.placement.dx * heights.placement.dy;
     for (int row = 0; row < faces.height(); ++row)
       for (int col = 0; col < faces.width(); ++col) {
-        const double slope = static_cast<double>(faces.at(col, row)), s = smoothstep(from, to, slope);
+        const double slope = faces.at(col, row), s = smoothstep(from, to, slope);
         faces.at(col, row) = static_cast<float>(s);
         if (s > 0 && touches(col, row, slope)) area += s * pixel;
       }
@@ -215,27 +231,27 @@ class Cliff {
     const raster::Raster& heights = *ground_.site().heights;
     const Vec2d at = heights.placement.center(col, row);
     for (const double t : {-0.5, -0.25, 0.0, 0.25, 0.5})
-      if (ground_.usable(
-              {at.x, at.y, static_cast<double>(heights.values.at(col, row)) + t * slope * ground_.pixel()}))
+      if (ground_.usable({at.x, at.y, heights.values.at(col, row) + t * slope * ground_.pixel()}))
         return true;
     return false;
   }
 
-  Result eroded(const raster::Grid<float>& faces, const Box3d& box) {
+  Result erode(const raster::Grid<float>& faces, const Box3d& box) {
     const Site& site = ground_.site();
     const raster::Placement& at = site.heights->placement;
-    const int behind = std::max(1, static_cast<int>(std::ceil(1.5 * p_.depth / ground_.pixel())));
-    const int around = std::max(1, behind / 4);
+    const int behind =
+        std::max(1, static_cast<int>(std::ceil(behind_in_depths * p_.depth / ground_.pixel())));
+    const int around = std::max(1, static_cast<int>(around_share * behind));
     Region limits = site.region ? *site.region : Region{};
     if (site.valid) limits.limit_mask(valid());
     const bool limited = site.region || site.valid;
     const auto control = std::make_shared<const Faces>(
-        RangedRaster(site.heights->values, at), RangedRaster(widened(faces, around), at),
-        RangedRaster(widened(faces, behind), at), p_.fade, limited ? as_function(&limits, p_.fade) : nullptr,
+        RangedRaster(site.heights->values, at), RangedRaster(widen(faces, around), at),
+        RangedRaster(widen(faces, behind), at), p_.fade, limited ? as_function(&limits, p_.fade) : nullptr,
         box);
-    const auto rock =
-        std::make_shared<const Laminated>(geology::as_function(site.geology), 0.6 * p_.detail, p_.wavelength,
-                                          site.origin, hash_combine(site.seed, 0x57));
+    const auto rock = std::make_shared<const Laminated>(geology::as_function(site.geology),
+                                                        laminae_most * p_.detail, p_.wavelength, site.origin,
+                                                        hash_combine(site.seed, Stream::laminae));
     Result result;
     result.reshape = [control, rock, depth = p_.depth](field::NodePtr tree) {
       return field::erode(std::move(tree), control, rock, depth);

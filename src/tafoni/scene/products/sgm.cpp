@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "tafoni/core/error.h"
+#include "tafoni/landforms/measures.h"
 #include "tafoni/mesh/metrics.h"
 
 namespace tafoni::scene {
@@ -25,15 +26,9 @@ const LayerResult& find(const BuiltScene& scene, const std::string& name) {
   fail(ErrorKind::usage, "the scene has no {} layer \"{}\"", kind, name);
 }
 
-template <class T>
-T fact(const LayerResult& layer, std::string_view name) {
-  for (const auto& [key, value] : layer.made.report)
-    if (key == name) return std::get<T>(value);
-  fail(ErrorKind::internal, "the layer \"{}\" does not report its {}", layer.name, name);
-}
-
-Vec3d place(const BuiltScene& scene, const std::vector<double>& world) {
-  return Vec3d{world.at(0), world.at(1), world.at(2)} - scene.terrain.origin;
+landforms::GrammarCaveMeasures measures_of(const LayerResult& layer) {
+  if (const auto told = landforms::grammar_cave_measures(layer.made.facts)) return *told;
+  fail(ErrorKind::internal, "the layer \"{}\" does not tell its measures", layer.name);
 }
 
 SgmMeasures measured(const mesh::Mesh& mesh) {
@@ -59,8 +54,10 @@ SgmMeasures sgm_measures(const mesh::Mesh& mesh, double edge, Progress& progress
 SgmSolid sgm_solid(const BuiltScene& scene, const std::string& name) {
   const LayerResult& layer = find(scene, name);
   SgmSolid out;
-  out.box.expand(place(scene, fact<std::vector<double>>(layer, "low")));
-  out.box.expand(place(scene, fact<std::vector<double>>(layer, "high")));
+  // Rounded as the world positions of a report are, so that both give the same cubes.
+  const Box3d box = measures_of(layer).box;
+  for (const Vec3d corner : {box.lo, box.hi})
+    out.box.expand((corner + scene.terrain.origin) - scene.terrain.origin);
   out.box = out.box.grown(0.01);
   // What it adds where all is air, or else what it takes from where all is rock.
   constexpr float far = 1e6f;
@@ -76,12 +73,13 @@ std::vector<SgmMeasures> sgm_measures(const BuiltScene& scene, const std::string
                                       std::span<const int> details, Progress& progress) {
   const LayerResult& layer = find(scene, name);
   const SgmSolid solid = sgm_solid(scene, name);
-  const int own = static_cast<int>(fact<std::int64_t>(layer, "detail"));
+  const landforms::GrammarCaveMeasures told = measures_of(layer);
+  const int own = static_cast<int>(told.detail);
   if (details.empty()) details = {&own, 1};
   std::vector<SgmMeasures> out;
   for (const int detail : details) {
     surface::PolygonizeSettings settings;
-    settings.voxel = fact<double>(layer, "size_m") / detail;
+    settings.voxel = told.size / detail;
     settings.region = solid.box.grown(2 * settings.voxel);
     const double start = now();
     const field::CompiledField field = field::compile(solid.tree);
@@ -90,8 +88,8 @@ std::vector<SgmMeasures> sgm_measures(const BuiltScene& scene, const std::string
     SgmMeasures row = measured(mesh);
     row.detail = detail;
     row.cubes = mesh::inside_cubes(field, solid.box, settings.voxel, progress);
-    row.elements = fact<std::int64_t>(layer, "elements");
-    row.productions = fact<std::int64_t>(layer, "productions");
+    row.elements = told.elements;
+    row.productions = told.productions();
     row.seconds = seconds;
     out.push_back(row);
   }

@@ -13,14 +13,8 @@ namespace tafoni::scene {
 namespace {
 
 std::vector<Vec3d> route_of(const BuiltScene& scene) {
-  std::vector<Vec3d> out;
-  for (const auto& [name, value] : scene.layers.at(0).made.report) {
-    if (name != "route") continue;
-    const auto& flat = std::get<std::vector<double>>(value);
-    for (std::size_t i = 0; i + 2 < flat.size(); i += 3)
-      out.push_back(Vec3d{flat[i], flat[i + 1], flat[i + 2]} - scene.terrain.origin);
-  }
-  return out;
+  const auto* route = scene.layers.at(0).made.facts.find<landforms::Places>("route");
+  return route ? route->local : std::vector<Vec3d>();
 }
 
 void walk_in_and_out(const Document& document, double voxel) {

@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/test/site.h"
 
@@ -25,13 +26,7 @@ struct Hill : test::Coast {
     values.try_emplace("size", 3.5);
     return find_landform("grammar-cave").generate(site, values, silent());
   }
-  std::vector<Vec3d> route(const Result& result) const {
-    const auto flat = test::fact<std::vector<double>>(result, "route");
-    std::vector<Vec3d> out;
-    for (std::size_t i = 0; i + 2 < flat.size(); i += 3)
-      out.push_back(Vec3d{flat[i], flat[i + 1], flat[i + 2]} - site.origin);
-    return out;
-  }
+  std::vector<Vec3d> route(const Result& result) const { return test::fact<Places>(result, "route").local; }
 };
 
 TEST(GrammarCave, TheRouteLeadsFromOutsideUnderTheHillWithRoomToWalk) {
@@ -136,13 +131,16 @@ TEST(GrammarCave, TheEntranceCanBeGiven) {
   const Hill hill;
   const std::vector<double> at = {hill.site.origin.x - 30, hill.site.origin.y - 16, 0};
   const Result result = hill.run({{"at", at}});
-  const auto mouth = test::fact<std::vector<double>>(result, "entrances");
-  EXPECT_EQ(mouth[0], at[0]);
-  EXPECT_EQ(mouth[1], at[1]);
+  const Vec3d mouth = test::fact<Places>(result, "entrances").local.at(0) + hill.site.origin;
+  EXPECT_EQ(mouth.x, at[0]);
+  EXPECT_EQ(mouth.y, at[1]);
   const std::vector<Vec3d> route = hill.route(result);
   EXPECT_GT(route[2].y, route[1].y + 4) << "a bearing of 0 leads north";
   EXPECT_NEAR(route[2].x, route[1].x, 1e-6);
-  EXPECT_THROW(hill.run({{"at", std::vector<double>{1, 2, 3, 4}}}), Error);
+  EXPECT_EQ(error_of([&] {
+              hill.run({{"at", std::vector<double>{1, 2, 3, 4}}});
+            }),
+            "grammar-cave: at must hold x and y, and a bearing if wanted");
 }
 
 TEST(GrammarCave, RulesMakeTheCave) {
@@ -158,7 +156,10 @@ TEST(GrammarCave, RulesMakeTheCave) {
   EXPECT_GE(test::fact<std::int64_t>(result, "productions"), 3);
   EXPECT_LE(test::fact<std::int64_t>(result, "classic"), 4);
   Rows bad = {{{"symbol", "Hall"}, {"shape", "elipsoid"}}};
-  EXPECT_THROW(hill.run({{"rule", checked(info, bad, "test")}}), Error);
+  EXPECT_THAT(error_of([&] {
+                hill.run({{"rule", checked(info, bad, "test")}});
+              }),
+              testing::HasSubstr("elipsoid"));
 }
 
 TEST(GrammarCave, LevelGroundHasNoEntrance) {

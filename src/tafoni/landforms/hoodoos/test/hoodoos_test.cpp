@@ -18,12 +18,8 @@ Result grow(const Site& site, const Values& values = {}) {
   return find_landform("hoodoos").generate(site, values, silent());
 }
 
-std::vector<Vec3d> positions(const Site& site, const Result& result) {
-  std::vector<Vec3d> out;
-  const auto flat = test::fact<std::vector<double>>(result, "positions");
-  for (std::size_t i = 0; i + 2 < flat.size(); i += 3)
-    out.push_back(Vec3d{flat[i], flat[i + 1], flat[i + 2]} - site.origin);
-  return out;
+std::vector<Vec3d> positions(const Result& result) {
+  return test::fact<Places>(result, "positions").local;
 }
 
 /// Flat ground at 0 with hoodoos at points of a grid.
@@ -112,7 +108,7 @@ TEST(Hoodoos, KeepTheirDistance) {
   const Coast coast([](Vec3d) { return 0.5; },
                     [](double x, double y) { return 0.5 * x + std::sin(0.3 * y); });
   for (const double spacing : {6.0, 9.0}) {
-    const auto feet = positions(coast.site, grow(coast.site, {{"spacing", spacing}, {"ridges", 0.0}}));
+    const auto feet = positions(grow(coast.site, {{"spacing", spacing}, {"ridges", 0.0}}));
     ASSERT_GT(feet.size(), 20u);
     double nearest = 1e9;
     for (std::size_t i = 0; i < feet.size(); ++i)
@@ -128,7 +124,7 @@ TEST(Hoodoos, StandOnMediumSlopes) {
     return x < -20 ? 0.0 : x < 20 ? 0.6 * (x + 20) : 24 + 4 * (x - 20);
   };
   const Coast coast([](Vec3d) { return 0.5; }, height);
-  const auto feet = positions(coast.site, grow(coast.site, {{"ridges", 0.0}, {"clusters", 0.0}}));
+  const auto feet = positions(grow(coast.site, {{"ridges", 0.0}, {"clusters", 0.0}}));
   ASSERT_GT(feet.size(), 30u);
   const auto middle = std::count_if(feet.begin(), feet.end(), [](Vec3d p) { return std::abs(p.x) <= 22; });
   EXPECT_GT(static_cast<double>(middle), 0.97 * static_cast<double>(feet.size()));
@@ -139,9 +135,9 @@ TEST(Hoodoos, KeepOutOfGullies) {
   const Coast coast([](Vec3d) { return 0.5; },
                     [](double x, double y) { return 0.5 * std::abs(x) + 0.3 * y; });
   Values values{{"ridges", 0.0}, {"catchment", 100.0}, {"spacing", 5.0}};
-  const auto feet = positions(coast.site, grow(coast.site, values));
+  const auto feet = positions(grow(coast.site, values));
   values["catchment"] = 1e6;
-  const auto anywhere = positions(coast.site, grow(coast.site, values));
+  const auto anywhere = positions(grow(coast.site, values));
   const auto near = [](const std::vector<Vec3d>& all) {
     return std::count_if(all.begin(), all.end(), [](Vec3d p) { return std::abs(p.x) < 2.5 && p.y < 20; });
   };
@@ -154,7 +150,7 @@ TEST(Hoodoos, FollowRiversWhenTold) {
   const Coast coast([](Vec3d) { return 0.5; },
                     [](double x, double y) { return 0.4 * std::abs(x) + 0.2 * y; });
   const Values values{{"ridges", 0.0}, {"river", 18.0}, {"river_area", 1000.0}, {"catchment", 1000.0}};
-  const auto feet = positions(coast.site, grow(coast.site, values));
+  const auto feet = positions(grow(coast.site, values));
   ASSERT_GT(feet.size(), 8u);
   for (const Vec3d p : feet) EXPECT_LT(std::abs(p.x), 19);
 }
@@ -241,7 +237,7 @@ TEST_P(EveryAxiom, StandsOnTheGround) {
   values["contrast"] = 1.0;
   const Result result = grow(coast.site, values);
   const auto field = test::carved(coast.site, result);
-  for (const Vec3d p : positions(coast.site, result)) {
+  for (const Vec3d p : positions(result)) {
     int above = 0;
     for (double z = 0; z < 30; z += 0.5) above += field.value(p + Vec3d{0, 0, z}) > 0;
     EXPECT_GE(above, 5);

@@ -82,8 +82,8 @@ TEST(Islands, CavesOpenOnThem) {
   EXPECT_GT(test::fact<std::int64_t>(caves, "entrances"), 0);
   EXPECT_EQ(test::fact<std::int64_t>(caves, "networks"),
             test::fact<std::int64_t>(caves, "connected_networks"));
-  const auto at = test::fact<std::vector<double>>(caves, "entrance_positions");
-  for (std::size_t i = 2; i < at.size(); i += 3) EXPECT_GT(at[i], 15);
+  for (const Vec3d p : test::fact<Places>(caves, "entrance_positions").local)
+    EXPECT_GT(p.z + site.origin.z, 15);
 }
 
 }  // namespace

@@ -21,11 +21,11 @@ TEST(Spires, StandOnTheGroundAndAreTallAndSlender) {
   const Result result =
       spires(coast.site, {{"count", std::int64_t{5}}, {"height", 60.0}, {"slenderness", 6.0}});
   const auto field = test::carved(coast.site, result);
-  const auto at = test::fact<std::vector<double>>(result, "positions");
-  const auto heights = test::fact<std::vector<double>>(result, "heights_m");
+  const auto feet = test::fact<Places>(result, "positions").local;
+  const auto heights = test::fact<std::vector<double>>(result, "heights");
   ASSERT_GE(heights.size(), 3u);
   for (std::size_t i = 0; i < heights.size(); ++i) {
-    const Vec3d foot = Vec3d{at[3 * i], at[3 * i + 1], at[3 * i + 2]} - coast.site.origin;
+    const Vec3d foot = feet[i];
     for (double t : {-0.05, 0.05, 0.3, 0.6, 0.85})
       EXPECT_GT(field.value(foot + Vec3d{0, 0, t * heights[i]}), 0) << "rock without a gap, height " << t;
     EXPECT_LT(field.value(foot + Vec3d{0, 0, 1.25 * heights[i]}), 0);

@@ -78,7 +78,7 @@ TEST(StratifiedCliff, WithoutAFaceThereIsNothing) {
   const Coast coast(&bedded, [](double x, double y) { return 10 + 0.3 * y + 0.1 * x; });
   const Result result = run(coast.site);
   EXPECT_FALSE(result.reshape);
-  EXPECT_EQ(test::fact<double>(result, "face_m2"), 0);
+  EXPECT_EQ(test::fact<double>(result, "face"), 0);
 }
 
 TEST(StratifiedCliff, ItsControlFieldPrunes) {

@@ -1,4 +1,7 @@
-#include "tafoni/landforms/hoodoos/grammar.h"
+// Reads a table of rules once into terms with compiled expressions, then derives: symbols wait in a queue,
+// and each is replaced by one of its rules, drawn by weights that may depend on the rock where it stands.
+
+#include "tafoni/landforms/hoodoos/growth.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,34 +13,43 @@
 namespace tafoni::landforms::impl {
 namespace {
 
+enum class Stream : std::uint64_t { choices = 0x6772 };
+
+// A hoodoo that anyone can mean stays far below; a rule that does not end passes them within a blink.
 constexpr std::size_t most_symbols = 20000;
 constexpr int deepest = 1000;
 constexpr double most_repeats = 1000;
 
-/// What expressions can read, in the order of Growth's values.
+/// What expressions can read: a derivation's values by place, and their names.
+struct Read {
+  enum : std::size_t { s, a, b, c, i, n, rho, h, bed, z, depth, height, radius, skin };
+};
 constexpr std::string_view variables[] = {"s", "a",   "b", "c",     "i",      "n",      "rho",
                                           "h", "bed", "z", "depth", "height", "radius", "skin"};
 constexpr std::string_view inherited[] = {"s", "a", "b", "c"};
 const ExpressionNames names{variables, "rho"};
 
-Expression compiled(Scanner& text) {
+Expression compile(Scanner& text) {
   return Expression::compile(text, names);
 }
 
 Expression inherit(std::string_view variable) {
   Scanner text(variable, {});
-  return compiled(text);
+  return compile(text);
 }
 
 }  // namespace
 
 std::vector<ParamInfo> rule_columns() {
-  return {column("symbol", "", "what the rule replaces: a name of letters and digits"),
-          column("weight", "1", "chance among the rules of the same symbol, an expression; 0 or less: never"),
-          column("make", "", "what takes its place, separated by ; as NAME(ARGUMENT = EXPRESSION, ...)")};
+  return {
+      column("symbol", "", "What the rule replaces: a name of letters and digits"),
+      column("weight", "1",
+             "Chance among the rules of the same symbol, an expression; a rule of 0 or less is never taken"),
+      column("make", "",
+             "What takes its place, as NAME(ARGUMENT = EXPRESSION, ...), with ; between one and the next")};
 }
 
-Grammar::Grammar(const Rows& rules, std::string_view where) : where_(where) {
+GrowthRules::GrowthRules(const Rows& rules, std::string_view where) : where_(where) {
   const auto cell = [](const Row& row, std::string_view column) {
     const auto found = row.find(column);
     return found == row.end() ? std::string_view() : std::string_view(found->second);
@@ -50,33 +62,40 @@ Grammar::Grammar(const Rows& rules, std::string_view where) : where_(where) {
   }
   for (std::size_t i = 0; i < rules.size(); ++i) {
     const std::string_view name = cell(rules[i], "symbol");
-    Rule rule;
-    rule.where = fmt::format("{}: rule {} ({})", where, i + 1, name);
-    Scanner weight(cell(rules[i], "weight"), rule.where + ", weight");
-    rule.weight = compiled(weight);
-    if (!weight.at_end()) weight.error(fmt::format("\"{}\" is not expected here", weight.peek()));
-    Scanner make(cell(rules[i], "make"), rule.where + ", make");
-    while (!make.at_end()) {
-      rule.terms.push_back(term(make));
-      if (!make.at_end()) make.expect(";");
-    }
-    symbols_[static_cast<std::size_t>(find(name))].rules.push_back(std::move(rule));
+    add_rule(name, cell(rules[i], "weight"), cell(rules[i], "make"),
+             fmt::format("{}: rule {} ({})", where, i + 1, name));
   }
 }
 
-int Grammar::find(std::string_view symbol) const {
+void GrowthRules::add_rule(std::string_view symbol, std::string_view weight, std::string_view make,
+                           std::string_view where) {
+  Rule rule;
+  rule.where = where;
+  Scanner weight_text(weight, rule.where + ", weight");
+  rule.weight = compile(weight_text);
+  if (!weight_text.at_end())
+    weight_text.error(fmt::format("\"{}\" is not expected here", weight_text.peek()));
+  Scanner make_text(make, rule.where + ", make");
+  while (!make_text.at_end()) {
+    rule.terms.push_back(term(make_text));
+    if (!make_text.at_end()) make_text.expect(";");
+  }
+  symbols_[find(symbol)].rules.push_back(std::move(rule));
+}
+
+int GrowthRules::find(std::string_view symbol) const {
   const auto found =
       std::find_if(symbols_.begin(), symbols_.end(), [&](const Symbol& s) { return s.name == symbol; });
   return found == symbols_.end() ? -1 : static_cast<int>(found - symbols_.begin());
 }
 
-std::vector<std::string> Grammar::symbols() const {
+std::vector<std::string> GrowthRules::symbols() const {
   std::vector<std::string> out;
   for (const Symbol& s : symbols_) out.push_back(s.name);
   return out;
 }
 
-Grammar::Term Grammar::term(Scanner& text) const {
+GrowthRules::Term GrowthRules::term(Scanner& text) const {
   Term term;
   term.column = text.column();
   const std::string_view name = text.name();
@@ -101,30 +120,33 @@ Grammar::Term Grammar::term(Scanner& text) const {
   }
   if (!text.take("(")) return term;
   if (text.take(")")) return term;
-  do {
-    const std::size_t column = text.column();
-    const std::string_view given = text.name();
-    Expression* into = argument(term, given);
-    if (!into) {
-      std::vector<std::string> known = {"x", "y", "z", "turn", "repeat"};
-      if (term.kind) {
-        known.emplace_back("energy");
-        for (const ParamInfo& info : term.kind->about.params) known.push_back(info.name);
-      } else {
-        known.insert(known.end(), std::begin(inherited), std::end(inherited));
-      }
-      std::string all;
-      for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
-      text.error(column, fmt::format("{} has no argument \"{}\"; it has {}", name, given, all));
-    }
-    text.expect("=");
-    *into = compiled(text);
-  } while (text.take(","));
+  do read_argument(text, term, name);
+  while (text.take(","));
   text.expect(")");
   return term;
 }
 
-Expression* Grammar::argument(Term& term, std::string_view name) const {
+void GrowthRules::read_argument(Scanner& text, Term& term, std::string_view of) const {
+  const std::size_t column = text.column();
+  const std::string_view given = text.name();
+  Expression* into = argument(term, given);
+  if (!into) {
+    std::vector<std::string> known = {"x", "y", "z", "turn", "repeat"};
+    if (term.kind) {
+      known.emplace_back("energy");
+      for (const ParamInfo& info : term.kind->about.params) known.push_back(info.name);
+    } else {
+      known.insert(known.end(), std::begin(inherited), std::end(inherited));
+    }
+    std::string all;
+    for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
+    text.error(column, fmt::format("{} has no argument \"{}\"; it has {}", of, given, all));
+  }
+  text.expect("=");
+  *into = compile(text);
+}
+
+Expression* GrowthRules::argument(Term& term, std::string_view name) const {
   if (name == "repeat") return &term.repeat;
   if (name == "x") return &term.x;
   if (name == "y") return &term.y;
@@ -142,10 +164,10 @@ Expression* Grammar::argument(Term& term, std::string_view name) const {
 }
 
 /// One derivation. Symbols are replaced in the order in which they come up.
-class Growth {
+class Derivation {
  public:
-  Growth(const Grammar& grammar, const Axiom& axiom, const Surroundings& surroundings)
-      : grammar_(grammar), axiom_(axiom), around_(surroundings), random_(axiom.seed, 0x6772) {}
+  Derivation(const GrowthRules& rules, const Axiom& axiom, const Surroundings& surroundings)
+      : rules_(rules), axiom_(axiom), around_(surroundings), random_(axiom.seed, Stream::choices) {}
 
   std::vector<Terminal> run(int symbol) {
     const double s = axiom_.radius;
@@ -167,37 +189,37 @@ class Growth {
   };
 
   void replace(const Place& at) {
-    const Grammar::Symbol& symbol = grammar_.symbols_[static_cast<std::size_t>(at.symbol)];
+    const GrowthRules::Symbol& symbol = rules_.symbols_[at.symbol];
     probe_ = [&](double dz) { return around_.resistance(at.position + Vec3d{0, 0, dz}); };
     std::copy(at.sizes.begin(), at.sizes.end(), values_.begin());
-    index(0, 1);
-    values_[6] = around_.resistance(at.position);
-    values_[7] = at.position.z - around_.ground(at.position);
-    values_[8] = around_.bed(at.position);
-    values_[9] = at.position.z + axiom_.datum;
-    values_[10] = at.depth;
-    values_[11] = axiom_.height;
-    values_[12] = axiom_.radius;
-    values_[13] = axiom_.skin;
-    const Grammar::Rule* rule = choose(symbol);
+    set_repeat(0, 1);
+    values_[Read::rho] = around_.resistance(at.position);
+    values_[Read::h] = at.position.z - around_.ground(at.position);
+    values_[Read::bed] = around_.bed(at.position);
+    values_[Read::z] = at.position.z + axiom_.datum;
+    values_[Read::depth] = at.depth;
+    values_[Read::height] = axiom_.height;
+    values_[Read::radius] = axiom_.radius;
+    values_[Read::skin] = axiom_.skin;
+    const GrowthRules::Rule* rule = choose(symbol);
     if (!rule) return;
-    for (const Grammar::Term& term : rule->terms) {
-      index(0, 1);
+    for (const GrowthRules::Term& term : rule->terms) {
+      set_repeat(0, 1);
       const double n = std::floor(finite(*rule, term, "repeat", run(term.repeat)));
       if (n > most_repeats)
         fail(ErrorKind::usage, "{}, make, column {}: repeat = {} is more than {}", rule->where, term.column,
              n, most_repeats);
       for (double i = 0; i < n; ++i) {
-        index(i, n);
+        set_repeat(i, n);
         make(at, *rule, term);
       }
     }
   }
 
-  const Grammar::Rule* choose(const Grammar::Symbol& symbol) {
+  const GrowthRules::Rule* choose(const GrowthRules::Symbol& symbol) {
     double total = 0;
     weights_.clear();
-    for (const Grammar::Rule& rule : symbol.rules) {
+    for (const GrowthRules::Rule& rule : symbol.rules) {
       const double w = run(rule.weight);
       if (!std::isfinite(w))
         fail(ErrorKind::usage, "{}, weight: its value is not a finite number", rule.where);
@@ -215,7 +237,7 @@ class Growth {
     return nullptr;
   }
 
-  void make(const Place& at, const Grammar::Rule& rule, const Grammar::Term& term) {
+  void make(const Place& at, const GrowthRules::Rule& rule, const GrowthRules::Term& term) {
     const double turn = at.turn + degree * finite(rule, term, "turn", run(term.turn));
     const double x = finite(rule, term, "x", run(term.x)), y = finite(rule, term, "y", run(term.y));
     const double z = finite(rule, term, "z", run(term.z));
@@ -225,11 +247,11 @@ class Growth {
     Place next{term.symbol, position, turn, {}, at.depth + 1};
     for (std::size_t k = 0; k < next.sizes.size(); ++k)
       next.sizes[k] = finite(rule, term, inherited[k], run(term.sizes[k]));
-    grown(rule, queue_.size() + out_.size(), next.depth);
+    check_end(rule, queue_.size() + out_.size(), next.depth);
     queue_.push_back(next);
   }
 
-  void terminal(Vec3d position, double turn, const Grammar::Rule& rule, const Grammar::Term& term) {
+  void terminal(Vec3d position, double turn, const GrowthRules::Rule& rule, const GrowthRules::Term& term) {
     Terminal t{term.kind, position, finite(rule, term, "energy", run(term.energy)), {}};
     const auto& params = term.kind->about.params;
     std::array<double, Terminal::most> sizes{};
@@ -254,11 +276,12 @@ class Growth {
       if (sizes[k] < params[k].min) return;
       t.shape[k] = static_cast<float>(sizes[k]);
     }
-    grown(rule, queue_.size() + out_.size(), 0);
+    check_end(rule, queue_.size() + out_.size(), 0);
     if (t.energy != 0 && around_.allowed(position)) out_.push_back(t);
   }
 
-  void grown(const Grammar::Rule& rule, std::size_t symbols, int depth) const {
+  /// Fails where growth has become more than anyone can mean.
+  void check_end(const GrowthRules::Rule& rule, std::size_t symbols, int depth) const {
     if (symbols < most_symbols && depth < deepest) return;
     fail(ErrorKind::usage,
          "{} does not come to an end: {} in one hoodoo; let its weight become 0 somewhere, as with \"h < "
@@ -269,18 +292,19 @@ class Growth {
 
   double run(const Expression& expression) { return expression({values_, &random_, &probe_}); }
 
-  static double finite(const Grammar::Rule& rule, const Grammar::Term& term, std::string_view what,
+  static double finite(const GrowthRules::Rule& rule, const GrowthRules::Term& term, std::string_view what,
                        double value) {
     if (std::isfinite(value)) return value;
     fail(ErrorKind::usage, "{}, make, column {}: {} is not a finite number", rule.where, term.column, what);
   }
 
-  void index(double i, double n) {
-    values_[4] = i;
-    values_[5] = n;
+  /// The i-th of n repeats.
+  void set_repeat(double i, double n) {
+    values_[Read::i] = i;
+    values_[Read::n] = n;
   }
 
-  const Grammar& grammar_;
+  const GrowthRules& rules_;
   const Axiom& axiom_;
   const Surroundings& around_;
   Random random_;
@@ -291,15 +315,15 @@ class Growth {
   std::vector<Terminal> out_;
 };
 
-std::vector<Terminal> Grammar::grow(std::string_view symbol, const Axiom& axiom,
-                                    const Surroundings& surroundings) const {
+std::vector<Terminal> GrowthRules::grow(std::string_view symbol, const Axiom& axiom,
+                                        const Surroundings& surroundings) const {
   const int start = find(symbol);
   if (start < 0) {
     const std::string near = nearest(symbol, symbols());
     fail(ErrorKind::usage, "{}: no rule has the symbol \"{}\"{}", where_, symbol,
          near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near));
   }
-  return Growth(*this, axiom, surroundings).run(start);
+  return Derivation(*this, axiom, surroundings).run(start);
 }
 
 }  // namespace tafoni::landforms::impl

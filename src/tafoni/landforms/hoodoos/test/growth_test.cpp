@@ -1,4 +1,4 @@
-#include "tafoni/landforms/hoodoos/grammar.h"
+#include "tafoni/landforms/hoodoos/growth.h"
 
 #include <cmath>
 
@@ -35,7 +35,7 @@ std::vector<Terminal> grown(const Rows& rules, const World& world = World(), std
   axiom.radius = 2;
   axiom.height = 10;
   axiom.seed = seed;
-  return Grammar(rules, "hoodoos").grow("A", axiom, world);
+  return GrowthRules(rules, "hoodoos").grow("A", axiom, world);
 }
 
 std::string error_of(const Rows& rules) {
@@ -48,7 +48,7 @@ std::string error_of(const Rows& rules) {
   return "no error";
 }
 
-TEST(Grammar, ScalesAndMovesSymbols) {
+TEST(Growth, ScalesAndMovesSymbols) {
   // The paper's C(p + s z, lambda s).
   const auto out = grown({rule("A", "1", "sphere(radius = s); C(z = s, s = 0.5*s)"),
                           rule("C", "s > 0.1", "sphere(radius = s); C(z = s, s = 0.5*s)")});
@@ -63,7 +63,7 @@ TEST(Grammar, ScalesAndMovesSymbols) {
   }
 }
 
-TEST(Grammar, RepeatsAndTurns) {
+TEST(Growth, RepeatsAndTurns) {
   const auto out = grown({rule("A", "1", "B(turn = 90)"),
                           rule("B", "1", "segment(repeat = 4, turn = 90*i, x = 3, dx = n, dy = 0)")});
   ASSERT_EQ(out.size(), 4u);
@@ -77,7 +77,7 @@ TEST(Grammar, RepeatsAndTurns) {
   }
 }
 
-TEST(Grammar, SeesTheRockWhereItGrows) {
+TEST(Growth, SeesTheRockWhereItGrows) {
   const World world([](Vec3d p) { return p.z < 5 ? 0.2 : 0.8; });
   const auto out = grown({rule("A", "h < height", "sphere(radius = 1 + rho); A(z = bed)")}, world);
   ASSERT_EQ(out.size(), 5u);
@@ -86,7 +86,7 @@ TEST(Grammar, SeesTheRockWhereItGrows) {
   EXPECT_NEAR(above.at(0).shape[0], 0.8, 1e-6);
 }
 
-TEST(Grammar, ChoosesByWeight) {
+TEST(Growth, ChoosesByWeight) {
   const Rows rules = {rule("A", "1", "B(repeat = 900)"), rule("B", "rho", "sphere(radius = 1)"),
                       rule("B", "1 - rho", "sphere(radius = 2)"), rule("B", "-5", "sphere(radius = 3)")};
   for (const double rho : {0.0, 0.25, 0.8}) {
@@ -101,7 +101,7 @@ TEST(Grammar, ChoosesByWeight) {
   }
 }
 
-TEST(Grammar, DependsOnTheSeedAlone) {
+TEST(Growth, DependsOnTheSeedAlone) {
   const Rows rules = {rule("A", "h < height", "sphere(x = random(), radius = random(1, 2)); A(z = bed)"),
                       rule("A", "0.3", "")};
   const auto a = grown(rules), b = grown(rules), c = grown(rules, World(), 2);
@@ -114,18 +114,18 @@ TEST(Grammar, DependsOnTheSeedAlone) {
   EXPECT_NE(numbers(a), numbers(c));
 }
 
-TEST(Grammar, StopsWhereItMayNotGrow) {
+TEST(Growth, StopsWhereItMayNotGrow) {
   World world;
   world.ceiling = 5;
   for (const Terminal& t : grown({rule("A", "h < height", "sphere(); A(z = bed)")}, world))
     EXPECT_LT(t.position.z, 5);
 }
 
-TEST(Grammar, LeavesOutWhatHasNoSize) {
+TEST(Growth, LeavesOutWhatHasNoSize) {
   EXPECT_TRUE(grown({rule("A", "1", "sphere(radius = 0); sphere(radius = -1); sphere(energy = 0)")}).empty());
 }
 
-TEST(Grammar, ErrorsNameTheRule) {
+TEST(Growth, ErrorsNameTheRule) {
   EXPECT_EQ(error_of({rule("A", "1", "sphere(radius = 2*)")}),
             "hoodoos: rule 1 (A), make, column 19: expected a value, found \")\"");
   EXPECT_EQ(error_of({rule("A", "1", "B()"), rule("B", "rh", "")}),
@@ -147,7 +147,7 @@ TEST(Grammar, ErrorsNameTheRule) {
   EXPECT_THAT(error_of({rule("B", "1", "")}), HasSubstr("no rule has the symbol \"A\""));
 }
 
-TEST(Grammar, EndlessGrowthIsAnError) {
+TEST(Growth, EndlessGrowthIsAnError) {
   EXPECT_THAT(error_of({rule("A", "1", "A()")}),
               HasSubstr("rule 1 (A) does not come to an end: 1000 generations"));
   EXPECT_THAT(error_of({rule("A", "1", "A(repeat = 2)")}),

@@ -1,6 +1,6 @@
 #pragma once
-// An open parameterized grammar of solids [Paris19 §6.3]: rules are rows of text, symbols see
-// the rock and the ground where they stand while they grow (Mech and Prusinkiewicz 1996).
+// How hoodoos grow: an open parameterized grammar of solids [Paris19 §6.3]. Rules are rows of text; symbols
+// see the rock and the ground where they stand while they grow (Mech and Prusinkiewicz 1996).
 
 #include <array>
 #include <string>
@@ -14,14 +14,14 @@
 
 namespace tafoni::landforms::impl {
 
-/// What a growing symbol sees. Positions are local.
+/// What a growing symbol sees. Positions are local, metres.
 class Surroundings {
  public:
   virtual ~Surroundings() = default;
-  virtual double resistance(Vec3d p) const = 0;
-  virtual double ground(Vec3d p) const = 0;  ///< elevation below or above p
-  virtual double bed(Vec3d p) const = 0;     ///< metres from p up to the next bedding plane, > 0
-  virtual bool allowed(Vec3d p) const = 0;   ///< symbols elsewhere vanish
+  virtual double resistance(Vec3d p) const = 0;  ///< rho in [0, 1]
+  virtual double ground(Vec3d p) const = 0;      ///< elevation below or above p
+  virtual double bed(Vec3d p) const = 0;         ///< metres from p up to the next bedding plane, > 0
+  virtual bool allowed(Vec3d p) const = 0;       ///< symbols elsewhere vanish
 };
 
 /// Where growth begins.
@@ -45,10 +45,10 @@ struct Terminal {
 /// The columns of a table of rules: symbol, weight, make.
 std::vector<ParamInfo> rule_columns();
 
-class Grammar {
+class GrowthRules {
  public:
   /// Throws Error{usage} naming the rule, the column of the table and that of its text.
-  Grammar(const Rows& rules, std::string_view where);
+  GrowthRules(const Rows& rules, std::string_view where);
   bool has(std::string_view symbol) const { return find(symbol) >= 0; }
   std::vector<std::string> symbols() const;
   /// Everything that grows from `symbol`, in an order that depends on the seed alone. Throws Error{usage}
@@ -57,7 +57,7 @@ class Grammar {
                              const Surroundings& surroundings) const;
 
  private:
-  friend class Growth;
+  friend class Derivation;
   /// One of what a rule makes: a primitive when `kind` is given, else a symbol.
   struct Term {
     const field::PrimitiveType* kind = nullptr;
@@ -77,7 +77,11 @@ class Grammar {
   };
 
   int find(std::string_view symbol) const;
+  void add_rule(std::string_view symbol, std::string_view weight, std::string_view make,
+                std::string_view where);
   Term term(Scanner& text) const;
+  /// Reads "NAME = EXPRESSION" into what a term has of that name.
+  void read_argument(Scanner& text, Term& term, std::string_view of) const;
   Expression* argument(Term& term, std::string_view name) const;
 
   std::string where_;
