@@ -39,7 +39,7 @@ const ParamTable<Params>& table() {
 }
 
 /// Signed distance to where the layer may act, on real data; positive inside, zero R within the border, so
-/// that the field is the old one beyond it (the Minkowski difference of section 5.1).
+/// that the field is the old one beyond it (the Minkowski difference of [Paris19 §5.1]).
 std::shared_ptr<const raster::Raster> outline(const Site& site, const Ground& ground, Progress& progress) {
   auto made = std::make_shared<raster::Raster>(*site.heights);
   raster::Grid<std::uint8_t> mask(made->width(), made->height(), 0);

@@ -1,6 +1,5 @@
 #pragma once
-// Where pillars of rock stand: Poisson-disk places of medium slope and little drainage ([Paris19], section
-// 6.3).
+// Where pillars of rock stand: Poisson-disk places of medium slope and little drainage [Paris19 §6.3].
 
 #include <vector>
 
