@@ -1,6 +1,6 @@
 #pragma once
-// An elevation model as a field: the choice of the origin, the domain, and their construction tree [Paris19
-// §5.1].
+// An elevation model as a field: the choice of the origin, the domain, and their construction tree
+// [Paris19 §5.1].
 
 #include <cstdint>
 #include <memory>
