@@ -87,7 +87,7 @@ Topic sections() {
                          {}});
   out.entries.push_back({"[[layer]] type = \"primitives\"",
                          "Explicit primitives from a file",
-                         "[Paris19 §5.2]",
+                         "DESIGN section 6",
                          {},
                          scene::params_of_layer(scene::primitives_layer),
                          {}});

@@ -10,7 +10,7 @@
 namespace tafoni::volume {
 namespace {
 
-/// In the words of [Ju01 §3]: the least of distance - radius over many points of the axis.
+/// The document's words: the least of distance - radius over many points of the axis.
 double by_points(const Tunnel& tunnel, Vec3d p) {
   double least = 1e9;
   for (std::size_t i = 0; i + 1 < tunnel.axis.size(); ++i)
