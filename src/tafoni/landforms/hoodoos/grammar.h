@@ -1,6 +1,6 @@
 #pragma once
 // An open parameterized grammar of solids [Paris19 §6.3]: rules are rows of text, symbols see
-// the rock and the ground where they stand while they grow [Mech96].
+// the rock and the ground where they stand while they grow (Mech and Prusinkiewicz 1996).
 
 #include <array>
 #include <string>
