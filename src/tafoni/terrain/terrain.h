@@ -1,6 +1,5 @@
 #pragma once
-// An elevation model as a field: the choice of the origin, the domain, and their construction tree
-// [Paris19 §5.1].
+// An elevation model as a field: choice of the origin, the domain, and the construction tree of DESIGN 6.
 
 #include <cstdint>
 #include <memory>
