@@ -2,8 +2,8 @@
 //
 //   bench_scene_s N CELLS [paper|default] [open|solid] [THREADS]
 //
-// CELLS counts the cells across the 5120 m. `paper` takes bilinear heights and vertical distance as document
-// 003 does; `default` takes bicubic heights and first-order distance.
+// CELLS counts the cells across the 5120 m. `paper` takes bilinear heights and vertical distance as
+// [Paris19] does; `default` takes bicubic heights and first-order distance.
 
 #include "scene_s.h"
 

@@ -7,7 +7,7 @@
 
 namespace tafoni {
 
-/// A bijective 64-bit mixer (the finaliser of SplitMix64, Steele et al. 2014).
+/// A bijective 64-bit mixer (the finaliser of SplitMix64 [Steele14]).
 constexpr std::uint64_t mix64(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15ull;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;

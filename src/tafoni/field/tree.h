@@ -153,8 +153,8 @@ struct TreeStats {
 };
 TreeStats stats(const NodePtr& root);
 
-/// The share of `area` (x and y) that lies above or below the support of a primitive: the ratio a of document
-/// 003, section 7, found on cells of size `cell`, metres.
+/// The share of `area` (x and y) that lies above or below the support of a primitive: the ratio a of
+/// [Paris19 §7], found on cells of size `cell`, metres.
 double coverage(const NodePtr& root, const Box3d& area, double cell);
 
 }  // namespace tafoni::field

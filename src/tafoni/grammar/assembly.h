@@ -29,11 +29,11 @@ struct Production {
   Operation operation = Operation::sum;
   Vec3d direction;     ///< of the base's bond (L_B), within 45 degrees; zero: any
   double alpha = 0.5;  ///< of a morph (M_P)
-  /// Afterwards the added shape is pushed in by this share of its extent; 0: touching, as in the document.
+  /// Afterwards the added shape is pushed in by this share of its extent; 0: touching, as in [Zawadzki].
   double sink = 0;
   bool turn = true;    ///< the added shape may be turned so that a bond of its own looks the other way
   bool level = false;  ///< instead of `sink`: until its middle is level with that of the part
-  /// A morph or an intersection acts on the whole base, as the document has it, not on one part of it. All
+  /// A morph or an intersection acts on the whole base, as [Zawadzki] has it, not on one part of it. All
   /// of it is one part then, the first.
   bool whole = false;
   int part = -1;  ///< the part whose bonds are tried first; -1: the last

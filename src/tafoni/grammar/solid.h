@@ -2,7 +2,7 @@
 // What the program knows of a solid of the shape grammar [Zawadzki]: a signed distance, and the places
 // where it can be joined to others.
 //
-// The document's solids are quadrics like x^2 + y^2 + z^2 - r, whose values are no lengths, so that a morph
+// The solids of the paper are quadrics like x^2 + y^2 + z^2 - r, whose values are no lengths, so that a morph
 // weighs large solids more than small ones. Here every solid is a true distance in metres, positive inside.
 
 #include <memory>

@@ -12,7 +12,7 @@
 
 namespace tafoni::io {
 
-/// One primitive of a primitives file (DESIGN 6): adds energy * g(distance).
+/// One primitive of a primitives file [Paris19 §5.2]: adds energy * g(distance).
 struct Primitive {
   const field::PrimitiveType* kind = nullptr;
   Vec3d position;              ///< world, scene CRS, metres

@@ -1,5 +1,5 @@
 #pragma once
-// Simplex noise (Perlin 2001) and fractal Brownian motion [Paris19 §3.3].
+// Simplex noise [Perlin01] and fractal Brownian motion [Paris19 §3.3].
 
 #include <cstdint>
 #include <span>

@@ -1,5 +1,5 @@
 #pragma once
-// Checks what DESIGN section 7 promises of every mesh.
+// Checks what is promised of every mesh: that it is closed, 2-manifold, turned outwards and without flaws.
 
 #include <cstdint>
 #include <string>

@@ -236,8 +236,8 @@ std::optional<ClosestPoint> Collider::closest(Vec3d p, double distance) const {
       },
       &search);
   if (!search.found) return {};
-  // The sign of the distance by the weighted normal is right at edges and corners, too (Baerentzen and Aanaes
-  // 2005).
+  // The sign of the distance by the weighted normal is right at edges and corners, too
+  // [Baerentzen05].
   const Vec3d normal = normal_at(search.point);
   const bool rock = dot(p - search.point, normal) < 0;
   return ClosestPoint{search.point, normal, rock ? -search.best : search.best};

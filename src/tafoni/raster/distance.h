@@ -11,7 +11,7 @@ namespace tafoni::raster {
 
 /// The exact Euclidean distance in metres from each pixel's centre to the border between pixels (taken as
 /// boxes dx by dy) where `mask` is non-zero and where it is zero; positive where non-zero. The raster's rim
-/// is no border. All one kind: +-infinity. Linear time (Felzenszwalb and Huttenlocher 2012).
+/// is no border. All one kind: +-infinity. Linear time [Felzenszwalb12].
 Grid<float> signed_distance(const Grid<std::uint8_t>& mask, double dx, double dy,
                             Progress& progress = silent());
 

@@ -19,18 +19,18 @@ struct FillSettings {
   /// micrometre or, where floats are coarser, one unit in the last place.
   bool drain_flats = true;
 };
-/// Fills depressions by Priority-Flood (Barnes, Lehman & Mulla 2014): the lowest surface >= heights from
+/// Fills depressions by Priority-Flood [Barnes14]: the lowest surface >= heights from
 /// which every cell drains, over its 8 neighbours, to the border of the grid or to a missing cell.
 raster::Grid<float> fill_depressions(const raster::Raster& heights, const FillSettings& settings = {},
                                      Progress& progress = silent());
 
-/// Upslope area in m^2, the cell's own included, by multiple flow directions (Freeman 1991): a cell's area
+/// Upslope area in m^2, the cell's own included, by multiple flow directions [Freeman91]: a cell's area
 /// goes to its lower neighbours in proportion to slope^exponent. Area stops at a cell without a lower
 /// neighbour, so give the surface fill_depressions() made.
 raster::Grid<float> drainage_area(const raster::Raster& filled, double exponent = 1.1,
                                   Progress& progress = silent());
 
-/// A^(1/2) s of each cell ([Paris19 §6.1]; Whipple & Tucker 1999).
+/// A^(1/2) s of each cell [Paris19 §6.1], [Whipple99].
 raster::Grid<float> stream_power(const raster::Grid<float>& area, const raster::Grid<float>& slope);
 
 struct AccessibilitySettings {
@@ -38,7 +38,7 @@ struct AccessibilitySettings {
   /// Cells where the result is wanted (1); the others are NaN. Null: all.
   const raster::Grid<std::uint8_t>* wanted = nullptr;
 };
-/// Miller's local accessibility (1994) of a heightfield in [0, 1]: the radius of the largest sphere that
+/// Local accessibility [Miller94] of a heightfield in [0, 1]: the radius of the largest sphere that
 /// touches the surface at the cell, tangent to it and above, without cutting the terrain, over max_radius.
 /// The terrain is the columns below the cells' centres, so what lies between centres is not seen; over these
 /// columns the radius is exact.

@@ -17,7 +17,7 @@ float just_above(float level) {
   return std::max(std::nextafter(level, std::numeric_limits<float>::infinity()), level + 1e-6f);
 }
 
-/// Priority-Flood (Barnes, Lehman & Mulla 2014, algorithms 2 and 3): water rises from the borders; cells that
+/// Priority-Flood [Barnes14 algs. 2, 3]: water rises from the borders; cells that
 /// it drowns wait in a plain queue. Always continuing with the lower of the two queues makes the drained
 /// surface the lowest one there is.
 class Flood {

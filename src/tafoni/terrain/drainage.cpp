@@ -10,8 +10,8 @@
 namespace tafoni::terrain {
 namespace {
 
-/// Freeman's flow in topological order: a cell is settled once every higher neighbour is. The order is fixed,
-/// so sums come out the same to the last bit.
+/// Flow by [Freeman91] in topological order: a cell is settled once every higher neighbour is. The order is
+/// fixed, so sums come out the same to the last bit.
 class Flow {
  public:
   Flow(const raster::Raster& filled, double exponent)

@@ -38,7 +38,7 @@ struct FractalSettings {
 };
 
 /// Each subdivision keeps every sample and puts a new one in the middle of every edge, face and cell. Its
-/// value is the four-point interpolation of Dubuc (1986), -1 9 9 -1 over 16, along each axis in which it is
+/// value is the four-point interpolation of [Dubuc86], -1 9 9 -1 over 16, along each axis in which it is
 /// new, plus noise that is uniform in +-amplitude. [Ju01] takes the average of the nearest (1 1 over
 /// 2), which leaves creases along the planes of every lattice, plainest where the last levels are smooth;
 /// four points give a C1 surface without them, keep planes exactly, and cost about as much. Beyond the border

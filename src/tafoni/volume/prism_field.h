@@ -1,5 +1,5 @@
 #pragma once
-// Prism-fields ([Boggus], Boggus and Crawfis): ground as an ordered array of layers, each with a top and
+// Prism-fields [Boggus]: ground as an ordered array of layers, each with a top and
 // a bottom at every sample of a regular grid; between them is matter. A point of a layer without matter is
 // inactive, which makes shafts; several layers over each other make tunnels.
 

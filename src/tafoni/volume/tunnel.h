@@ -21,7 +21,7 @@ struct AxisPoint {
 struct Tunnel {
   std::vector<AxisPoint> axis;
   /// Metres below the axis at which ground fills it, level across, so that one can walk; 1e9: a round floor,
-  /// as the document has it.
+  /// as [Ju01 §3] has it.
   double floor = 1e9;
 };
 

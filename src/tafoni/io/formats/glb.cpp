@@ -339,7 +339,7 @@ const FormatType& format_glb() {
       .about = {.name = "glb",
                 .doc = "glTF 2.0 binary with normals, texture coordinates and vertex colours, y "
                        "up; the world origin and CRS stand in the node's extras",
-                .source = "Khronos glTF 2.0, ISO/IEC 12113"},
+                .source = "[glTF]"},
       .extensions = {"glb"},
       .write_mesh = write,
       .read_mesh = read,

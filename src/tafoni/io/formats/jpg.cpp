@@ -25,7 +25,7 @@ void write(AtomicFile& out, const raster::Image& image) {
 
 const FormatType& format_jpg() {
   static const FormatType type{
-      .about = {.name = "jpg", .doc = "Pictures, 8-bit sRGB, small", .source = "ITU-T T.81, ISO/IEC 10918-1"},
+      .about = {.name = "jpg", .doc = "Pictures, 8-bit sRGB, small", .source = "[JPEG]"},
       .extensions = {"jpg", "jpeg"},
       .write_image = write,
   };

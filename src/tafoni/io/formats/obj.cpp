@@ -186,7 +186,7 @@ const FormatType& format_obj() {
   static const FormatType type{
       .about = {.name = "obj",
                 .doc = "Wavefront text with normals, texture coordinates and vertex colours (sRGB), z up",
-                .source = "Wavefront Advanced Visualizer manual, appendix B1"},
+                .source = "[OBJ]"},
       .extensions = {"obj"},
       .write_mesh = write,
       .read_mesh = read,

@@ -57,7 +57,7 @@ const FormatType& format_off() {
   static const FormatType type{
       .about = {.name = "off",
                 .doc = "Object file format, text, read only; polygons become triangles",
-                .source = "Geomview manual, OFF"},
+                .source = "[OFF]"},
       .extensions = {"off"},
       .read_mesh = read,
   };

@@ -202,7 +202,7 @@ const FormatType& format_ply() {
           {.name = "ply",
            .doc =
                "Binary polygons with normals and vertex colours (sRGB), z up; reads text and big-endian too",
-           .source = "G. Turk, The PLY polygon file format, Stanford 1994"},
+           .source = "[PLY]"},
       .extensions = {"ply"},
       .write_mesh = write,
       .read_mesh = read,

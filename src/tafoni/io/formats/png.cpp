@@ -28,9 +28,7 @@ void write(AtomicFile& out, const raster::Image& image) {
 
 const FormatType& format_png() {
   static const FormatType type{
-      .about = {.name = "png",
-                .doc = "Pictures, 8-bit sRGB, lossless",
-                .source = "W3C Portable Network Graphics, ISO/IEC 15948"},
+      .about = {.name = "png", .doc = "Pictures, 8-bit sRGB, lossless", .source = "[PNG]"},
       .extensions = {"png"},
       .write_image = write,
   };

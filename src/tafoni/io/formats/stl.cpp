@@ -86,7 +86,7 @@ const FormatType& format_stl() {
   static const FormatType type{
       .about = {.name = "stl",
                 .doc = "Triangles alone for print and CAD, binary; the world origin stands in the header",
-                .source = "3D Systems, StereoLithography interface specification, 1989"},
+                .source = "[STL]"},
       .extensions = {"stl"},
       .write_mesh = write,
       .read_mesh = read,

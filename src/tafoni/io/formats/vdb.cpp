@@ -473,7 +473,7 @@ const FormatType& format_vdb() {
   static const FormatType type{
       .about = {.name = "vdb",
                 .doc = "OpenVDB, as a level set (negative in rock) named surface; reads fog volumes too",
-                .source = "OpenVDB 10"},
+                .source = "[OpenVDB]"},
       .extensions = {"vdb"},
       .write_volume = write,
       .read_volume = read,

@@ -15,9 +15,9 @@ struct StreamSettings {
   double banks = 12;  ///< metres that they act beyond what they cover, and a third of what they cover at most
 };
 
-/// sigma = A^(1/2) s over the filled terrain, with Freeman's A. As a sheer face outdoes any river by its
-/// slope, s is averaged over a few pixels and kept within [0.02, 0.35]; and as water on a plain slope is no
-/// river however long the slope, a river needs a catchment too.
+/// sigma = A^(1/2) s over the filled terrain, with the A of [Freeman91]. As a sheer face outdoes any river by
+/// its slope, s is averaged over a few pixels and kept within [0.02, 0.35]; and as water on a plain slope is
+/// no river however long the slope, a river needs a catchment too.
 class Streams {
  public:
   Streams(const Ground& ground, const StreamSettings& settings, Progress& progress);

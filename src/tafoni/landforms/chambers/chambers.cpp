@@ -119,7 +119,7 @@ const LandformType& landform_chambers() {
       .about = {.name = "chambers",
                 .doc = "Underground rooms from few chosen values: storage room, queen's chamber, or one's "
                        "own lattice",
-                .source = "Ju, Iles and Zhang 2001 (Hive Assault), section 4",
+                .source = "[Ju01 §4]",
                 .params = table().infos()},
       .generate = &generate,
   };

@@ -181,7 +181,7 @@ const LandformType& landform_explosions() {
   static const LandformType type{
       .about = {.name = "explosions",
                 .doc = "Craters of explosions, at given places or at random ones, with what they threw out",
-                .source = "Ruths 2001 (Hive Assault: Destroyable Geometry)",
+                .source = "[Ruths01]",
                 .params = table().infos()},
       .generate = &generate,
   };

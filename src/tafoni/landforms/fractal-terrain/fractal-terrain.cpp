@@ -88,7 +88,7 @@ const LandformType& landform_fractal_terrain() {
                 .doc = "The terrain as a volume by 3D midpoint subdivision: crags, caves, bridges "
                        "and closets by the scale of its "
                        "noise",
-                .source = "Ju, Iles and Zhang 2001 (Hive Assault), section 2",
+                .source = "[Ju01 §2]",
                 .params = table().infos()},
       .generate = &generate,
   };

@@ -378,7 +378,7 @@ const LandformType& landform_hive() {
       .about = {.name = "hive",
                 .doc = "Rough ground with entrances on its hillsides, fractal tunnels and chambers, all "
                        "joined and walkable",
-                .source = "Ju, Iles and Zhang 2001 (Hive Assault)",
+                .source = "[Ju01]",
                 .params = table().infos()},
       .generate = &generate,
   };

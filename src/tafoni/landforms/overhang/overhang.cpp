@@ -142,7 +142,7 @@ const LandformType& landform_overhang() {
           {.name = "overhang",
            .doc =
                "Faces that bulge and lean out over their feet, by moving space sideways at changing heights",
-           .source = "[Paris19 §5.3], after Gamito and Musgrave 2001",
+           .source = "[Paris19 §5.3], after [Gamito01]",
            .params = table().infos()},
       .generate = &generate,
   };

@@ -355,7 +355,7 @@ const LandformType& landform_prism_field() {
   static const LandformType type{
       .about = {.name = "prism-field",
                 .doc = "Ground as layers of columns, dug and built with spheres, capsules, boxes and hulls",
-                .source = "Boggus and Crawfis [Boggus], section 3 and figures 7 and 8",
+                .source = "[Boggus §3, figs. 7, 8]",
                 .params = table().infos()},
       .generate = &generate,
   };

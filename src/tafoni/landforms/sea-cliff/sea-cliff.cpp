@@ -122,7 +122,8 @@ class SeaCliff {
     tree_ = field::combine("blend", {tree_, std::move(node)});
   }
 
-  /// Miller's accessibility, the best within a few metres: the foot of a straight cliff is no sheltered nook.
+  /// Accessibility [Miller94], the best within a few metres: the foot of a straight cliff is no sheltered
+  /// nook.
   raster::Raster exposure() {
     const raster::Raster& heights = *ground_.site().heights;
     raster::Raster open;

@@ -151,7 +151,7 @@ const LandformType& landform_tunnels() {
   static const LandformType type{
       .about = {.name = "tunnels",
                 .doc = "Fractal tunnels that wind and swell, through hills or between given ends",
-                .source = "Ju, Iles and Zhang 2001 (Hive Assault), section 3",
+                .source = "[Ju01 §3]",
                 .params = table().infos()},
       .generate = &generate,
   };

@@ -144,7 +144,7 @@ std::optional<MovingHit> touched(const Triangle& t, Vec3d a, Vec3d b, double rad
 
 }  // namespace
 
-// Ericson, Real-Time Collision Detection, 5.1.5: by the region of the triangle that p projects to.
+// [Ericson05 §5.1.5]: by the region of the triangle that p projects to.
 Vec3d nearest_point(const Triangle& t, Vec3d p) {
   const Vec3d ab = t.v[1] - t.v[0], ac = t.v[2] - t.v[0], ap = p - t.v[0];
   const double d1 = dot(ab, ap), d2 = dot(ac, ap);

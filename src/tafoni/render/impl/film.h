@@ -33,8 +33,8 @@ struct View {
   }
 };
 
-/// Replaces the noisy indirect light by a mean over neighbours on the same surface (an edge-avoiding
-/// a-trous filter, Dammertz et al. 2010). What the sun and the texture draw stays sharp.
+/// Replaces the noisy indirect light by a mean over neighbours on the same surface (the edge-avoiding
+/// a-trous filter of [Dammertz10]). What the sun and the texture draw stays sharp.
 void denoise(Film& film, const View& view);
 
 /// Filmic tone curve and sRGB.

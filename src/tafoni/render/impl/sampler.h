@@ -1,7 +1,7 @@
 #pragma once
 // Low-discrepancy points in the unit square, spread over the picture so that what noise remains is fine and
-// even: Owen-scrambled Sobol points walked along a space-filling curve of pixels (Ahmed & Wonka 2020), with
-// the hash of Laine & Karras (2011) in the form of Burley (2020).
+// even: Owen-scrambled Sobol points walked along a space-filling curve of pixels [Ahmed20], with the
+// hash of [Laine11] in the form of [Burley20].
 
 #include <cstdint>
 
@@ -71,7 +71,7 @@ class Sampler {
   std::uint32_t index_;
 };
 
-/// Two unit vectors that make a right-handed frame with unit n (Duff et al. 2017).
+/// Two unit vectors that make a right-handed frame with unit n [Duff17].
 struct Frame {
   explicit Frame(Vec3f n) : z(n) {
     const float sign = std::copysign(1.0f, n.z);

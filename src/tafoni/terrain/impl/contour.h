@@ -14,7 +14,7 @@ struct Contour {
 };
 
 /// Finds where `values` changes sign between neighbouring cells, by linear interpolation, and each cell's
-/// nearest such point, by propagating it over the grid (Danielsson 1980), which errs by a small part of a
+/// nearest such point, by propagating it over the grid [Danielsson80], which errs by a small part of a
 /// pixel. `values` must be finite.
 Contour trace_contour(const raster::Raster& values);
 

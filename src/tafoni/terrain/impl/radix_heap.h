@@ -1,5 +1,5 @@
 #pragma once
-// A priority queue for keys that never fall below the last one taken out (Ahuja et al. 1990), which is how a
+// A priority queue for keys that never fall below the last one taken out [Ahuja90], which is how a
 // flood rises. Several times as fast as a binary heap on millions of cells.
 
 #include <array>

@@ -1,5 +1,5 @@
 #pragma once
-// Gives every cell of a grid the candidate that suits it best, from seeds on some cells (Danielsson 1980).
+// Gives every cell of a grid the candidate that suits it best, from seeds on some cells [Danielsson80].
 
 #include <cstdint>
 

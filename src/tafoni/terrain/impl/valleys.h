@@ -24,7 +24,7 @@ struct RiverPoint {
 };
 using River = std::vector<RiverPoint>;  ///< from mouth to head
 
-/// How a river runs: a sine-generated curve (Langbein and Leopold 1966) about a direction that wanders.
+/// How a river runs: a sine-generated curve [Langbein66] about a direction that wanders.
 struct Winding {
   double wavelength = 400;  ///< metres along the river
   double swing = 0.9;       ///< radians to either side

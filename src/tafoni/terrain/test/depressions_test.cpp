@@ -13,7 +13,7 @@
 namespace tafoni::terrain {
 namespace {
 
-/// The lowest surface that drains, by lowering a flooded one until nothing changes (Planchon & Darboux 2002).
+/// The lowest surface that drains, by lowering a flooded one until nothing changes [Planchon02].
 raster::Grid<float> brute_fill(const raster::Raster& heights, bool drain_flats) {
   const auto& h = heights.values;
   const float deep = std::numeric_limits<float>::infinity();

@@ -17,7 +17,7 @@ raster::Raster filled(raster::Raster terrain) {
   return terrain;
 }
 
-/// Freeman's rule over cells sorted from high to low.
+/// The rule of [Freeman91] over cells sorted from high to low.
 std::vector<double> brute_area(const raster::Raster& terrain, double exponent) {
   const auto& h = terrain.values;
   std::vector<std::size_t> order(h.size());
