@@ -81,6 +81,7 @@ const ParamTable<Params>& table() {
               "winding hollow")
         .real("tunnel", &Params::tunnel, "m", 0, 1000,
               "Radius of a level tunnel bored through the terrain's slimmest hill, 0 for none")
+        .only("where source is terrain and a hill has room for it")
         .real("cover", &Params::cover, "m", 0, 10000,
               "How deep below the hill's top the tunnel runs, 0 for a quarter of the relief")
         .only("where tunnel is above 0", {{"tunnel", 3.0}})
