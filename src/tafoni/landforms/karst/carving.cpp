@@ -11,7 +11,6 @@
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/karst/passages.h"
 #include "tafoni/landforms/rock/erosion.h"
-#include "tafoni/math/angle.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
 
