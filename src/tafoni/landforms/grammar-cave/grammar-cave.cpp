@@ -8,7 +8,6 @@
 #include "tafoni/landforms/grammar-cave/cave_mouth.h"
 #include "tafoni/landforms/grammar-cave/cave_way.h"
 #include "tafoni/landforms/landform.h"
-#include "tafoni/landforms/rock/erosion.h"
 #include "tafoni/landforms/site/ground.h"
 
 namespace tafoni::landforms {

@@ -8,8 +8,8 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/params.h"
-#include "tafoni/landforms/rock/erosion.h"
 #include "tafoni/math/angle.h"
+#include "tafoni/math/smoothstep.h"
 
 namespace tafoni::landforms::impl {
 namespace {

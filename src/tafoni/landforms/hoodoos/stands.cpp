@@ -5,10 +5,10 @@
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
-#include "tafoni/landforms/rock/erosion.h"
 #include "tafoni/landforms/site/spatial_hash.h"
 #include "tafoni/math/angle.h"
 #include "tafoni/math/noise.h"
+#include "tafoni/math/smoothstep.h"
 #include "tafoni/raster/distance.h"
 #include "tafoni/terrain/analysis.h"
 

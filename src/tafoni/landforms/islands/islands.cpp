@@ -5,11 +5,11 @@
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/landform.h"
-#include "tafoni/landforms/rock/erosion.h"
 #include "tafoni/landforms/site/ground.h"
 #include "tafoni/landforms/site/spatial_hash.h"
-#include "tafoni/landforms/site/steepest.h"
+#include "tafoni/landforms/site/steepest_slope.h"
 #include "tafoni/math/noise.h"
+#include "tafoni/math/smoothstep.h"
 #include "tafoni/raster/distance.h"
 
 namespace tafoni::landforms {
@@ -90,7 +90,7 @@ class Shape {
     field::TerrainSettings settings;
     settings.influence = reach();
     settings.amplitude = ground_.site().amplitude;
-    steepest_ = 1.5 * std::max(impl::steepest(*top), impl::steepest(*under));
+    steepest_ = 1.5 * std::max(impl::steepest_slope(*top), impl::steepest_slope(*under));
     lowest_ = *std::min_element(under->values.values().begin(), under->values.values().end());
     highest_ = *std::max_element(top->values.values().begin(), top->values.values().end());
     const field::Domain prism{box(), inside_};

@@ -10,6 +10,7 @@
 #include "tafoni/landforms/karst/passages.h"
 #include "tafoni/landforms/rock/erosion.h"
 #include "tafoni/math/noise.h"
+#include "tafoni/math/smoothstep.h"
 
 namespace tafoni::landforms::impl {
 namespace {

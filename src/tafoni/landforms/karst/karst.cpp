@@ -198,7 +198,7 @@ class Karst {
         std::clamp(std::max(size.x, size.y) / 150, 0.5 * spacing_, std::max(1.5 * spacing_, 1e-3));
     sampling.box = ground_.box();
     sampling.seed = hash_combine(ground_.site().seed, 0xface);
-    sampling.accept = [&](const SurfacePoint& at) {
+    sampling.accept = [&](const SurfaceSample& at) {
       return at.normal.z > -0.3f && high(at.position) && ground_.usable(at.position, spacing_);
     };
     surface_ = sample_surface(field_, sampling, progress_);
@@ -206,7 +206,7 @@ class Karst {
 
   std::vector<Vec3d> soft_ground() const {
     std::vector<std::pair<double, Vec3d>> places;
-    for (const SurfacePoint& at : surface_)
+    for (const SurfaceSample& at : surface_)
       if (at.normal.z > 0.93f && deep(at.position))
         places.emplace_back(ground_.resistance(at.position - Vec3d{0, 0, 3 * radius_}), at.position);
     return softest(std::move(places));
@@ -221,7 +221,7 @@ class Karst {
   std::vector<Vec3d> faces() const {
     const auto steep = static_cast<float>(std::cos(p_.face_slope * degree));
     std::vector<std::pair<double, Vec3d>> places;
-    for (const SurfacePoint& at : surface_)
+    for (const SurfaceSample& at : surface_)
       if (at.normal.z < steep && thick(at))
         places.emplace_back(ground_.resistance(at.position - to_double(at.normal) * (2 * radius_)),
                             at.position);
@@ -229,7 +229,7 @@ class Karst {
   }
 
   /// Rock enough behind a face for a cave, not a fin or a pillar.
-  bool thick(const SurfacePoint& at) const {
+  bool thick(const SurfaceSample& at) const {
     const Vec3d inward = normalized(Vec3d{-to_double(at.normal).x, -to_double(at.normal).y, -0.1});
     const Vec3d aside = Vec3d{-inward.y, inward.x, 0} * (3 * radius_);
     for (double t : {0.25, 0.6, 1.0, 1.5, 2.0}) {
@@ -295,7 +295,7 @@ class Karst {
   field::CompiledField field_;
   Progress& progress_;
   double radius_, spacing_, lowest_;
-  std::vector<SurfacePoint> surface_;
+  std::vector<SurfaceSample> surface_;
 };
 
 Result generate(const Site& site, const Values& values, Progress& progress) {

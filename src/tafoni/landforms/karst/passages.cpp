@@ -9,6 +9,7 @@
 #include "tafoni/landforms/rock/erosion.h"
 #include "tafoni/landforms/site/spatial_hash.h"
 #include "tafoni/math/noise.h"
+#include "tafoni/math/smoothstep.h"
 
 namespace tafoni::landforms::impl {
 namespace {

@@ -9,7 +9,7 @@
 #include "tafoni/geology/geology.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/prism-field/tool_rows.h"
-#include "tafoni/landforms/rock/replaced.h"
+#include "tafoni/landforms/rock/replacement.h"
 #include "tafoni/landforms/site/ground.h"
 #include "tafoni/volume/prism_convert.h"
 
@@ -337,7 +337,7 @@ class Digging {
     }
     result.reshape = [leaf, control, wear = wear(control)](field::NodePtr tree) {
       constexpr float any = std::numeric_limits<float>::max();
-      return wear(field::function(impl::replaced(field::as_function(tree, -any, any), leaf, control)));
+      return wear(field::function(impl::replace_within(field::as_function(tree, -any, any), leaf, control)));
     };
     return result;
   }

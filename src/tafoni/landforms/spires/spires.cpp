@@ -4,11 +4,11 @@
 
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/landform.h"
-#include "tafoni/landforms/rock/erosion.h"
 #include "tafoni/landforms/site/ground.h"
 #include "tafoni/landforms/site/spatial_hash.h"
 #include "tafoni/landforms/spires/towers.h"
 #include "tafoni/math/noise.h"
+#include "tafoni/math/smoothstep.h"
 
 namespace tafoni::landforms {
 namespace {

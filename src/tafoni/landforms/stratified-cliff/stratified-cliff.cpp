@@ -5,11 +5,11 @@
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/landform.h"
-#include "tafoni/landforms/rock/erosion.h"
 #include "tafoni/landforms/site/control.h"
 #include "tafoni/landforms/site/ground.h"
 #include "tafoni/math/angle.h"
 #include "tafoni/math/noise.h"
+#include "tafoni/math/smoothstep.h"
 #include "tafoni/terrain/analysis.h"
 
 namespace tafoni::landforms {
