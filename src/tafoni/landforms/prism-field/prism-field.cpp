@@ -13,8 +13,9 @@
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/prism-field/hill_tunnel.h"
 #include "tafoni/landforms/prism-field/tool_rows.h"
-#include "tafoni/landforms/rock/replaced.h"
+#include "tafoni/landforms/rock/replacement.h"
 #include "tafoni/landforms/site/ground.h"
+#include "tafoni/landforms/site/region.h"
 #include "tafoni/volume/prism_convert.h"
 
 namespace tafoni::landforms {
@@ -307,7 +308,7 @@ class Digging {
     }
     result.reshape = [leaf, control, wear = wear(control)](field::NodePtr tree) {
       constexpr float any = std::numeric_limits<float>::max();
-      return wear(field::function(impl::replaced(field::as_function(tree, -any, any), leaf, control)));
+      return wear(field::function(impl::replace_within(field::as_function(tree, -any, any), leaf, control)));
     };
     return result;
   }

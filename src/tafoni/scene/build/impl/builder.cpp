@@ -398,7 +398,7 @@ void Builder::run_layers(Stage& stage, Progress& progress) {
            shown_name(layer), what);
     }
     const BuiltLayer& made = stage.built.layers.back();
-    stage.scene.open = landforms::applied(stage.scene.open, made.result.made);
+    stage.scene.open = landforms::apply_to(stage.scene.open, made.result.made);
     stage.scene.seconds.emplace_back(made.result.name, made.result.seconds);
     stage.below.add(made.key);
   }
