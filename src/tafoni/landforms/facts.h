@@ -18,6 +18,7 @@ enum class Unit { none, metres, square_metres, cubic_metres };
 /// Positions in the scene's local frame; reports show world positions.
 struct Places {
   std::vector<Vec3d> local;
+  bool operator==(const Places&) const = default;
 };
 
 struct Fact {
@@ -25,6 +26,7 @@ struct Fact {
   std::string name;
   Content content;
   Unit unit = Unit::none;
+  bool operator==(const Fact&) const = default;
 };
 
 /// In the order in which they were told.
@@ -56,6 +58,7 @@ class Facts {
   auto begin() const { return all_.begin(); }
   auto end() const { return all_.end(); }
   bool empty() const { return all_.empty(); }
+  bool operator==(const Facts&) const = default;
   void append(const Facts& more) { all_.insert(all_.end(), more.begin(), more.end()); }
 
  private:

@@ -4,7 +4,7 @@
 
 namespace tafoni::landforms {
 
-field::NodePtr applied(const field::NodePtr& tree, const Result& result) {
+field::NodePtr apply_to(const field::NodePtr& tree, const Result& result) {
   std::vector<field::NodePtr> children = {result.reshape ? result.reshape(tree) : tree};
   children.insert(children.end(), result.nodes.begin(), result.nodes.end());
   return field::combine("blend", std::move(children));

@@ -2,20 +2,22 @@
 // What the program knows of a landform generator: a declaration and one pure function.
 
 #include <functional>
+#include <memory>
 #include <span>
-#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tafoni/core/progress.h"
 #include "tafoni/core/registry.h"
-#include "tafoni/field/compiled.h"
 #include "tafoni/field/tree.h"
 #include "tafoni/geology/geology.h"
 #include "tafoni/landforms/facts.h"
-#include "tafoni/landforms/site/region.h"
 #include "tafoni/raster/grid.h"
 
 namespace tafoni::landforms {
+
+class Region;
 
 /// All a generator may look at. Positions are local; elevations in parameters are world elevations, so local
 /// z = elevation - origin.z.
@@ -42,8 +44,8 @@ struct Result {
   Facts facts;  ///< what reports tell of it
 };
 
-/// The tree with a landform on it.
-field::NodePtr applied(const field::NodePtr& tree, const Result& result);
+/// The tree with the landform on it.
+field::NodePtr apply_to(const field::NodePtr& tree, const Result& result);
 
 struct LandformType {
   Declaration about = {};
@@ -51,8 +53,8 @@ struct LandformType {
   Result (*generate)(const Site&, const Values&, Progress&) = nullptr;
 };
 
-/// Every landform, sorted by name; the table is written by CMake from the folder's files: generators/NAME.cpp
-/// defines `const LandformType& landform_NAME()` (with '-' as '_').
+/// Every landform, sorted by name; the table is written by CMake from the folders: NAME/NAME.cpp defines
+/// `const LandformType& landform_NAME()` (with '-' as '_').
 std::span<const LandformType* const> all_landforms();
 /// Throws Error{usage} naming the nearest known one.
 const LandformType& find_landform(std::string_view name);

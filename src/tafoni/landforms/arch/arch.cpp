@@ -1,3 +1,7 @@
+// Arches: looks from sampled faces for thin walls, for rims with room for a shaft behind them and for faces
+// that stand opposite each other, judges each by its rock, and takes the best that leave a sound roof, as
+// windows cut out of the tree and bridges united with it [Paris19 §6.1].
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -5,16 +9,18 @@
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/arch/openings.h"
 #include "tafoni/landforms/landform.h"
-#include "tafoni/landforms/rock/erosion.h"
 #include "tafoni/landforms/site/ground.h"
 #include "tafoni/landforms/site/spatial_hash.h"
 #include "tafoni/landforms/site/surface.h"
 #include "tafoni/math/angle.h"
+#include "tafoni/math/smoothstep.h"
 
 namespace tafoni::landforms {
 namespace {
 
 using impl::Ground;
+
+enum class Stream : std::uint64_t { faces = 0xa7c4, rock = 0x7e, bridges = 0xb1 };
 
 struct Params {
   std::int64_t count = 6;
@@ -32,22 +38,27 @@ struct Params {
 const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     ParamTable<Params> t;
-    t.integer("count", &Params::count, "", 0, 1000, "most openings sought in fins, ridges and cliffs")
+    t.integer("count", &Params::count, "", 0, 1000,
+              "Most openings that are sought in fins, ridges and cliffs")
         .real("size", &Params::size, "m", 0, 500,
-              "greatest height of an opening, 0 for three pixels of the terrain but 18 m at least")
-        .real("thickness", &Params::thickness, "m", 0, 1000,
-              "thickest wall that an arch may pierce, 0 for 1.2 times the size")
+              "Greatest height of an opening; 0 for three pixels of the terrain, but 18 m at least")
+        .real(
+            "thickness", &Params::thickness, "m", 0, 1000,
+            "Thickest wall that an arch may pierce: more finds arches like tunnels; 0 for 1.2 times the size")
         .real("roof", &Params::roof, "m", 0, 200,
-              "least rock left above an opening, 0 for a fifth of the size")
-        .real("slope", &Params::slope, "deg", 10, 89, "slope from which ground counts as a face")
+              "Least rock that is left above an opening; 0 for a fifth of the size")
+        .real("slope", &Params::slope, "deg", 10, 89, "Slope from which ground counts as a face")
         .boolean("potholes", &Params::potholes,
-                 "where no thin wall is left, open cliffs into a shaft behind their rim: a pothole arch")
+                 "Whether cliffs are opened into a shaft behind their rim where no thin wall is left: "
+                 "pothole arches")
         .integer("bridges", &Params::bridges, "", 0, 1000,
-                 "most natural bridges built between faces that stand opposite each other")
-        .real("span", &Params::span, "m", 0, 1000, "longest of these bridges, 0 for three times the size")
+                 "Most natural bridges that are built between faces that stand opposite each other")
+        .real("span", &Params::span, "m", 0, 1000, "Longest of these bridges; 0 for three times the size")
         .only("where bridges is above 0", {{"bridges", std::int64_t{4}}})
-        .real("weakness", &Params::weakness, "", 0, 1, "how much wider openings are where the rock is soft")
-        .real("roughness", &Params::roughness, "", 0, 1, "unevenness of the rock");
+        .real("weakness", &Params::weakness, "", 0, 1,
+              "How much wider openings are where the rock is soft; 0 for openings of even width")
+        .real("roughness", &Params::roughness, "", 0, 1,
+              "Unevenness of the rock in openings and bridges; 0 for smooth vaults");
     return t;
   }();
   return params;
@@ -101,16 +112,16 @@ class Arches {
     const Vec3d extent = ground_.box().size();
     sampling.spacing = std::clamp(std::max(extent.x, extent.y) / 400, 0.3 * size_, 2 * size_);
     sampling.box = ground_.box();
-    sampling.seed = hash_combine(ground_.site().seed, 0xa7c4);
+    sampling.seed = hash_combine(ground_.site().seed, Stream::faces);
     const auto steep = static_cast<float>(std::cos(p_.slope * degree));
-    sampling.accept = [&](const SurfacePoint& at) {
+    sampling.accept = [&](const SurfaceSample& at) {
       return std::abs(at.normal.z) < steep && ground_.usable(at.position, 0.5 * size_);
     };
     const auto faces = sample_surface(field_, sampling, progress_);
     std::vector<Found<impl::Window>> fins, cliffs;
     std::vector<Found<impl::Bridge>> gaps;
     progress_.begin("looking for arches", faces.size(), "faces");
-    for (const SurfacePoint& face : faces) {
+    for (const SurfaceSample& face : faces) {
       progress_.advance();
       progress_.check();
       if (p_.count > 0) {
@@ -148,7 +159,7 @@ class Arches {
   }
 
   /// A window from the face to the air behind it.
-  std::optional<Found<impl::Window>> through_fin(const SurfacePoint& face) const {
+  std::optional<Found<impl::Window>> through_fin(const SurfaceSample& face) const {
     const Vec3d inward = normalized(Vec3d{-to_double(face.normal).x, -to_double(face.normal).y, 0});
     const Vec3d start = face.position + inward * (2 * step_);
     const double wall = until(false, start, inward, thickness_);
@@ -161,12 +172,12 @@ class Arches {
     w.through = inward;
     w.center = 0.5 * (before + behind);
     w.half_length = 0.5 * length(behind - before) + out;
-    return sized(w, std::max(*foot0, *foot1), face.position.z);
+    return fit_opening(w, std::max(*foot0, *foot1), face.position.z);
   }
 
   /// A window from the face to a shaft that opens behind the rim: as near as rock enough is left between
   /// them.
-  std::optional<Found<impl::Window>> behind_rim(const SurfacePoint& face) const {
+  std::optional<Found<impl::Window>> behind_rim(const SurfaceSample& face) const {
     const Vec3d inward = normalized(Vec3d{-to_double(face.normal).x, -to_double(face.normal).y, 0});
     const Vec3d before = face.position - inward * (2 * step_);
     const auto low = foot(before);
@@ -187,7 +198,7 @@ class Arches {
       w.center = before + inward * (w.half_length - 2 * step_);
       w.shaft_at = dot(behind - w.center, inward);
       w.shaft_radius = radius;
-      auto made = sized(w, *low, face.position.z);
+      auto made = fit_opening(w, *low, face.position.z);
       if (!made) return {};
       made->what.shaft_top = behind.z + up + 0.5 * size_ - made->what.center.z;
       made->merit -= 0.5;
@@ -197,7 +208,7 @@ class Arches {
   }
 
   /// Fits the opening between the ground at its foot and the roof that must remain above it.
-  std::optional<Found<impl::Window>> sized(impl::Window w, double floor, double z) const {
+  std::optional<Found<impl::Window>> fit_opening(impl::Window w, double floor, double z) const {
     Vec3d middle = w.center;
     middle.z = z;
     const Vec3d roofed = w.shaft_radius > 0
@@ -228,7 +239,7 @@ class Arches {
   }
 
   /// A bridge to the opposite face of a narrow valley.
-  std::optional<Found<impl::Bridge>> across_gap(const SurfacePoint& face) const {
+  std::optional<Found<impl::Bridge>> across_gap(const SurfaceSample& face) const {
     const Vec3d outward = normalized(Vec3d{to_double(face.normal).x, to_double(face.normal).y, 0});
     const Vec3d start = face.position + outward * (2 * step_);
     const double gap = until(true, start, outward, span_);
@@ -258,13 +269,14 @@ class Arches {
     t.wavelength = 0.5 * size_;
     t.amplitude = ground_.site().amplitude;
     t.origin = ground_.site().origin;
-    t.seed = hash_combine(ground_.site().seed, 0x7e);
+    t.seed = hash_combine(ground_.site().seed, Stream::rock);
     return t;
   }
 
   impl::Bridge bridge(Vec3d a, Vec3d b) const {
     const double span = length(b - a);
-    Random random(hash_combine(ground_.site().seed, 0xb1), static_cast<std::uint64_t>(bridges_.size()));
+    Random random(hash_combine(ground_.site().seed, Stream::bridges),
+                  static_cast<std::uint64_t>(bridges_.size()));
     return {a,
             b,
             0.12 * span,
@@ -283,7 +295,7 @@ class Arches {
   void build(const impl::Bridge& b) {
     const auto shape = impl::bridge_shape(b, texture(1));
     bridges_.push_back(field::function(shape));
-    report_place(0.5 * (b.from + b.to) + Vec3d{0, 0, b.rise});
+    places_.push_back(0.5 * (b.from + b.to) + Vec3d{0, 0, b.rise});
     reached_.expand(impl::reach(b, shape->margin(), ground_.site().amplitude));
   }
 
@@ -304,7 +316,7 @@ class Arches {
         if (!sound(w, *shape)) continue;
         taken_->insert(w.center);
         windows_.push_back(field::function(shape));
-        report_place(w.center);
+        places_.push_back(w.center);
         heights_.push_back(2 * w.half_height);
         reached_.expand(impl::reach(w, shape->margin(), ground_.site().amplitude));
         break;
@@ -374,18 +386,13 @@ class Arches {
         rock.push_back(axis + d * around + Vec3d{0, 0, z});
   }
 
-  void report_place(Vec3d p) {
-    const Vec3d world = p + ground_.site().origin;
-    places_.insert(places_.end(), {world.x, world.y, world.z});
-  }
-
   Result finish() const {
     Result result;
-    result.report = {{"arches", static_cast<std::int64_t>(windows_.size())},
-                     {"bridges", static_cast<std::int64_t>(bridges_.size())},
-                     {"positions", places_},
-                     {"opening_heights_m", heights_},
-                     {"primitives", std::int64_t{0}}};
+    result.facts.count("arches", std::ssize(windows_))
+        .count("bridges", std::ssize(bridges_))
+        .places("positions", places_)
+        .lengths("opening_heights", heights_)
+        .count("primitives", 0);
     if (windows_.empty() && bridges_.empty()) return result;
     result.reshaped = reached_;
     result.reshape = [windows = windows_, bridges = bridges_](field::NodePtr tree) {
@@ -407,7 +414,8 @@ class Arches {
   double size_, thickness_, roof_, span_, step_;
   std::optional<SpatialHash> taken_;
   std::vector<field::NodePtr> windows_, bridges_;
-  std::vector<double> places_, heights_;
+  std::vector<Vec3d> places_;
+  std::vector<double> heights_;
   Box3d reached_;
 };
 

@@ -1,3 +1,7 @@
+// Canyons: rivers found by their stream power attack the walls that floods reach; rows of negative points
+// follow the stress into the rock, deepest where it is soft and where the river runs against it [Paris19
+// §6.1]. The strongest rivers may run in slot canyons.
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +14,7 @@
 #include "tafoni/landforms/site/ground.h"
 #include "tafoni/landforms/site/surface.h"
 #include "tafoni/math/noise.h"
+#include "tafoni/math/smoothstep.h"
 
 namespace tafoni::landforms {
 namespace {
@@ -17,11 +22,9 @@ namespace {
 using impl::Ground;
 using impl::Streams;
 
-struct Params {
-  double threshold = 0.05;
-  double catchment = 0;
-  double flood = 0;
-  double banks = 0;
+enum class Stream : std::uint64_t { walls = 0xa0, unevenness = 0xa1, cuts = 0xa2, slots = 0xa3 };
+
+struct Params : impl::StreamSettings {
   double height = 0;
   double retreat = 0;
   double radius = 0;
@@ -35,6 +38,7 @@ struct Params {
   double slot_width = 0;
   std::int64_t slots = 1;
   double winding = 0.6;
+  Params() { threshold = 0.05, flood = 0, banks = 0; }
 };
 
 const ParamTable<Params>& table() {
@@ -43,39 +47,41 @@ const ParamTable<Params>& table() {
     const Values with_slots = {{"slot_depth", 10.0}};
     ParamTable<Params> t;
     t.real("threshold", &Params::threshold, "", 0, 1,
-           "share of the terrain's greatest stream power from which water is a river")
+           "Share of the terrain's greatest stream power from which water is a river: less adds side streams")
         .real(
             "catchment", &Params::catchment, "m2", 0, 1e12,
-            "area that a river drains at least, 0 for 0.4 % of the terrain and more than a plain slope sheds")
+            "Area that a river drains at least; 0 for 0.4 % of the terrain and more than a plain slope sheds")
         .real("flood", &Params::flood, "m", 0, 500,
-              "how high floods rise above the bed and cover flats beside it, 0 for 0.8 times the radius")
+              "How high floods rise above the bed and cover flats beside it; 0 for 0.8 times the radius")
         .real("banks", &Params::banks, "m", 0, 5000,
-              "how far from the ground they cover floods act, 0 for four times the radius")
+              "How far from the ground that they cover floods act; 0 for four times the radius")
         .real("height", &Params::height, "m", 0, 5000,
-              "how far above the bed floods act, 0 for twelve times the radius")
+              "How far above the bed floods act; 0 for twelve times the radius")
         .real("retreat", &Params::retreat, "m", 0, 500,
-              "how deep the softest rock is cut under full stress, 0 for five times the radius")
+              "How deep the softest rock is cut under full stress; 0 for five times the radius")
         .real("radius", &Params::radius, "m", 0, 500,
-              "reach of one carving primitive, 0 for 2.5 m or 1.2 pixels of the terrain, whichever is more")
+              "Reach of one carving primitive; 0 for 2.5 m or 1.2 pixels of the terrain, whichever is more")
         .real("spacing", &Params::spacing, "m", 0, 500,
-              "least distance between places that are carved, 0 for 0.6 times the radius")
+              "Least distance between places that are carved; 0 for 0.6 times the radius")
         .real("undercut", &Params::undercut, "", 0, 1,
-              "how much more walls give way that the river runs against")
-        .real("bed", &Params::bed, "", 0, 1, "how much the bed itself is cut, as a share of what walls are")
-        .real("beta", &Params::beta, "", 0, 1, "effect of full stress on the most resistant rock")
-        .real("cutoff", &Params::cutoff, "", 0, 1, "erosion effect below which nothing is carved")
-        .real("roughness", &Params::roughness, "", 0, 1, "unevenness of what is carved")
+              "How much more those walls give way that the river runs against; 0 cuts both sides alike")
+        .real("bed", &Params::bed, "", 0, 1, "How much the bed itself is cut, as a share of what walls are")
+        .real("beta", &Params::beta, "", 0, 1,
+              "Effect of full stress on the most resistant rock; more makes walls even, less lets hard beds "
+              "stand out")
+        .real("cutoff", &Params::cutoff, "", 0, 1, "Erosion effect below which nothing is carved")
+        .real("roughness", &Params::roughness, "", 0, 1, "Unevenness of what is carved; 0 for smooth notches")
         .real("slot_depth", &Params::slot_depth, "m", 0, 1000,
-              "depth of the slot canyons cut into the beds of the strongest rivers, 0 for none; the terrain "
-              "needs as much "
-              "rock below")
+              "Depth of the slot canyons that are cut into the beds of the strongest rivers, 0 for none; the "
+              "terrain needs as much rock below")
         .real("slot_width", &Params::slot_width, "m", 0, 200,
-              "width of a slot canyon, 0 for twice the radius")
+              "Width of a slot canyon; 0 for twice the radius")
         .only(where_slots, with_slots)
         .integer("slots", &Params::slots, "", 1, 100,
-                 "how many rivers run in slot canyons, the strongest first")
+                 "How many rivers run in slot canyons, the strongest first")
         .only(where_slots, with_slots)
-        .real("winding", &Params::winding, "", 0, 1, "how far the walls of slot canyons lean over")
+        .real("winding", &Params::winding, "", 0, 1,
+              "How far the walls of slot canyons lean over; 0 for upright ones")
         .only(where_slots, with_slots);
     return t;
   }();
@@ -83,7 +89,7 @@ const ParamTable<Params>& table() {
 }
 
 /// Zeros replaced by what suits the terrain's pixels.
-Params settled(Params p, const Ground& ground) {
+Params with_defaults(Params p, const Ground& ground) {
   const auto& heights = *ground.site().heights;
   const auto pick = [](double& value, double otherwise) { value = value > 0 ? value : otherwise; };
   const double width = heights.placement.dx * heights.width(),
@@ -102,12 +108,12 @@ Params settled(Params p, const Ground& ground) {
 class CanyonWalls {
  public:
   CanyonWalls(const Site& site, const Params& p, Progress& progress)
-      : ground_(site), p_(settled(p, ground_)), progress_(progress) {}
+      : ground_(site), p_(with_defaults(p, ground_)), progress_(progress) {}
 
   Result run() {
     Result result;
     if (ground_.box().empty()) return report(std::move(result), 0);
-    const Streams streams(ground_, {p_.threshold, p_.catchment, p_.flood, p_.banks}, progress_);
+    const Streams streams(ground_, p_, progress_);
     streams_ = &streams;
     if (streams.cells() > 0) {
       if (p_.slot_depth > 0) add(slots(), result);
@@ -126,14 +132,14 @@ class CanyonWalls {
   }
 
   /// sigma: the flood's, falling off upwards, more where the river runs against the wall.
-  double stress(const SurfacePoint& at) const {
+  double stress(const SurfaceSample& at) const {
     const Streams::Bank bank = streams_->at(at.position);
     if (!(bank.stress > 0)) return 0;
     const double above = (at.position.z - bank.bed) / p_.height;
     if (above >= 1) return 0;
     const double low = above > 0 ? (1 - above * above) * (1 - 0.5 * above) : 1;
     const double nz = static_cast<double>(at.normal.z);
-    const double wall = smoothstep(0, 0.35, 0.92 - nz) * (nz < 0 ? 1 + 0.7 * nz : 1);
+    const double wall = smoothstep(0.0, 0.35, 0.92 - nz) * (nz < 0 ? 1 + 0.7 * nz : 1);
     const double flood = std::min(1.0, 1.15 * std::sqrt(bank.stress)) * low;
     // The effect is never above the stress, so that what cannot reach the cutoff need not be looked at
     // closer.
@@ -143,7 +149,7 @@ class CanyonWalls {
 
   /// 1 where the water comes towards the wall, 1 - undercut where it leaves it. What counts is the flow a
   /// little upstream: beside the wall it has already turned.
-  double against(const SurfacePoint& at, const Streams::Bank& bank) const {
+  double against(const SurfaceSample& at, const Streams::Bank& bank) const {
     const Vec3d back{-bank.flow.x, -bank.flow.y, 0};
     const Streams::Bank before = streams_->at(at.position + back * p_.banks);
     const Vec2d flow = before.stress > 0 ? before.flow : bank.flow;
@@ -154,24 +160,24 @@ class CanyonWalls {
 
   /// A factor, smooth over several primitives, or neighbours would bore holes of their own instead of one
   /// notch.
-  std::vector<float> unevenness(const std::vector<SurfacePoint>& places) const {
+  std::vector<float> unevenness(const std::vector<SurfaceSample>& places) const {
     std::vector<Vec3d> scaled(places.size());
     for (std::size_t i = 0; i < places.size(); ++i)
       scaled[i] = (places[i].position + ground_.site().origin) * (0.2 / p_.radius);
     std::vector<float> out(places.size());
-    fbm(scaled, 2, hash_combine(ground_.site().seed, 0xa1), out);
+    fbm(scaled, 2, hash_combine(ground_.site().seed, Stream::unevenness), out);
     const auto strength = static_cast<float>(2.4 * p_.roughness);
     for (float& t : out) t = std::max(0.0f, 1 + strength * (t - 0.5f));
     return out;
   }
 
   /// rho, averaged along the bed for the same reason.
-  std::vector<float> resistances(const std::vector<SurfacePoint>& places) const {
+  std::vector<float> resistances(const std::vector<SurfaceSample>& places) const {
     std::vector<float> out(places.size(), 0.5f);
     if (!ground_.site().geology) return out;
     std::vector<Vec3d> points;
     points.reserve(3 * places.size());
-    for (const SurfacePoint& at : places) {
+    for (const SurfaceSample& at : places) {
       const Vec3d wall = horizontal(at.normal);
       const Vec3d aside = Vec3d{-wall.y, wall.x, 0} * (1.6 * p_.radius), in = wall * (-0.8 * p_.radius);
       points.insert(points.end(), {at.position, at.position + in + aside, at.position + in - aside});
@@ -183,7 +189,7 @@ class CanyonWalls {
   }
 
   struct Attack {
-    SurfacePoint at;
+    SurfaceSample at;
     double effect;
   };
 
@@ -191,10 +197,10 @@ class CanyonWalls {
     SurfaceSampling sampling;
     sampling.spacing = p_.spacing;
     sampling.box = ground_.box();
-    sampling.seed = hash_combine(ground_.site().seed, 0xa0);
+    sampling.seed = hash_combine(ground_.site().seed, Stream::walls);
     sampling.maybe = [this](Vec3d p, double around) { return streams_->near(p, around, p_.height); };
     // The effect is never above the stress.
-    sampling.accept = [this](const SurfacePoint& at) {
+    sampling.accept = [this](const SurfaceSample& at) {
       return stress(at) >= std::max(p_.cutoff, 1e-6) && ground_.usable(at.position);
     };
     const auto field = field::compile(ground_.site().terrain);
@@ -217,7 +223,7 @@ class CanyonWalls {
   /// Each place is cut by a row of points that leads into the rock, mostly level: rivers undercut.
   std::vector<Cut> cuts() {
     std::vector<Cut> out;
-    Random random(ground_.site().seed, 0xa2);
+    Random random(ground_.site().seed, Stream::cuts);
     const double step = 0.5 * p_.radius;
     for (const Attack& a : attacks()) {
       strongest_ = std::max(strongest_, a.effect);
@@ -261,7 +267,7 @@ class CanyonWalls {
   field::NodePtr slots() {
     field::CloudBuilder cloud{field::CloudSettings{}};
     impl::SlotSettings settings{p_.slot_depth, p_.slot_width, p_.winding, p_.beta,
-                                hash_combine(ground_.site().seed, 0xa3)};
+                                hash_combine(ground_.site().seed, Stream::slots)};
     for (const Streams::Course& course : streams_->courses(static_cast<std::size_t>(p_.slots)))
       slot_length_ += carve_slot(cloud, ground_, course, settings);
     primitives_ += static_cast<std::int64_t>(cloud.size());
@@ -270,10 +276,10 @@ class CanyonWalls {
 
   Result report(Result result, std::size_t cells) const {
     const double pixel = ground_.site().heights->placement.dx * ground_.site().heights->placement.dy;
-    result.report = {{"primitives", primitives_},
-                     {"river_bed_m2", static_cast<double>(cells) * pixel},
-                     {"strongest_effect", strongest_},
-                     {"slot_length_m", slot_length_}};
+    result.facts.count("primitives", primitives_)
+        .area("river_bed", static_cast<double>(cells) * pixel)
+        .number("strongest_effect", strongest_)
+        .length("slot_length", slot_length_);
     return result;
   }
 

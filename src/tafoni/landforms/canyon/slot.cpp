@@ -7,6 +7,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/rock/erosion.h"
 #include "tafoni/math/noise.h"
+#include "tafoni/math/smoothstep.h"
 
 namespace tafoni::landforms::impl {
 namespace {
@@ -76,7 +77,7 @@ class Slot {
     const Vec3d aside{-way.y, way.x, 0};
     const double along = static_cast<double>(i) * step_, left = static_cast<double>(n - 1 - i) * step_;
     // Upstream the slot begins at a fall; where it leaves, it opens to whatever lies below.
-    const double depth = s_.depth * smoothstep(0, 2.5 * s_.depth, left + 0.2 * s_.depth) *
+    const double depth = s_.depth * smoothstep(0.0, 2.5 * s_.depth, left + 0.2 * s_.depth) *
                          (0.85 + 0.3 * noise({along / (12 * s_.width), 0, 9}, 1));
     std::vector<Point> points;
     const double floor = at.z - depth;

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "tafoni/core/parallel.h"
-#include "tafoni/landforms/rock/erosion.h"
 #include "tafoni/terrain/analysis.h"
 
 namespace tafoni::landforms::impl {

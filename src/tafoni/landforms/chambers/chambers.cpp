@@ -1,10 +1,13 @@
+// Chambers [Ju01 §4]: rooms grown by subdivision from a small lattice of values, at given places or under the
+// middle of the site; all are carved into one volume.
+
 #include <cmath>
 
 #include "tafoni/core/random.h"
-#include "tafoni/landforms/hollows/burrows.h"
 #include "tafoni/landforms/hollows/hollow.h"
+#include "tafoni/landforms/hollows/tunnel_planner.h"
 #include "tafoni/landforms/landform.h"
-#include "tafoni/landforms/site/cells.h"
+#include "tafoni/landforms/site/table_rows.h"
 #include "tafoni/math/angle.h"
 
 namespace tafoni::landforms {
@@ -31,25 +34,28 @@ const ParamTable<Params>& table() {
     }
     ParamTable<Params> t;
     t.choice("kind", &Params::kind, kinds, what)
-        .real("cell", &Params::cell, "m", 0, 100, "a side of a cell of its lattice, 0 for the kind's own")
+        .real("cell", &Params::cell, "m", 0, 100,
+              "Side of a cell of the chamber's lattice; 0 for the kind's own")
         .real("noise", &Params::noise, "", 0, 2,
-              "most that subdivision moves its first values, in cells; much is a hell of flying rocks")
-        .real("cover", &Params::cover, "m", 0, 1000, "rock over the roof of one whose height is not given");
+              "Most that subdivision moves its first values, in cells: a little makes rough walls, much a "
+              "hell of flying rocks")
+        .real("cover", &Params::cover, "m", 0, 1000,
+              "Rock over the roof of a chamber whose height is not given");
     impl::add_hollow_params(t);
     t.rows(
         "chamber", &Params::chamber,
         {numbers_column("at", "", "m", 3, -1e9, 1e9,
-                        "x, y and z of the middle of its floor, world; empty for under the middle of the "
+                        "World x, y and z of the middle of its floor; empty for under the middle of the "
                         "site"),
-         choice_column("kind", "", kinds, "empty for the layer's"),
-         numbers_column("turn", "0", "deg", 1, -3600, 3600, "counter-clockwise"),
-         numbers_column("cell", "", "m", 1, 0.05, 100, "empty for the layer's"),
-         numbers_column("noise", "", "", 1, 0, 2, "empty for the layer's"),
+         choice_column("kind", "", kinds, "Kind; empty for the layer's"),
+         numbers_column("turn", "0", "deg", 1, -3600, 3600, "Turn about the vertical, counter-clockwise"),
+         numbers_column("cell", "", "m", 1, 0.05, 100, "Side of a cell; empty for the layer's"),
+         numbers_column("noise", "", "", 1, 0, 2, "Noise; empty for the layer's"),
          column(
              "lattice", "",
-             "its own values from -1, open, to 1, rock: layers from the lowest up end with ;, rows from the "
+             "Its own values from -1, open, to 1, rock: layers from the lowest up end with ;, rows from the "
              "north with / or a new line; numbers, or words of # + o - . for 1 to -1")},
-        "chambers and where they are; none: one of the layer's kind under the middle of the site");
+        "Chambers and where they are; none for one of the layer's kind under the middle of the site");
     return t;
   }();
   return params;
@@ -88,7 +94,8 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   const Ground ground(site);
   const Rows rows = p.chamber.empty() ? Rows{{}} : p.chamber;
   impl::Hollow hollow(ground, p, 2.5);
-  std::vector<double> places, sizes;
+  std::vector<Vec3d> places;
+  std::vector<double> sizes;
   std::uint64_t index = 0;
   for (const Row& row : rows) {
     const volume::Chamber chamber = chamber_of(ground, p, row, hash_combine(site.seed, index),
@@ -100,15 +107,13 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
           index));
       continue;
     }
-    const Vec3d world = chamber.settings().position + site.origin, size = chamber.size();
-    places.insert(places.end(), {world.x, world.y, world.z + 0.5 * chamber.settings().cell});
+    const Vec3d size = chamber.size();
+    places.push_back(chamber.settings().position + Vec3d{0, 0, 0.5 * chamber.settings().cell});
     sizes.insert(sizes.end(), {size.x, size.y, size.z});
     hollow.add(chamber);
   }
   Result result = hollow.finish(progress);
-  result.report.emplace_back("chambers", places);
-  result.report.emplace_back("sizes_m", sizes);
-  result.report.emplace_back("primitives", std::int64_t{0});
+  result.facts.places("chambers", places).lengths("sizes", sizes).count("primitives", 0);
   return result;
 }
 

@@ -1,16 +1,21 @@
+// Craters [Ruths01]: each blast is a negative point whose falloff takes the rock within its radius; blasts at
+// the surface throw out a rim of small heaps.
+
 #include <cmath>
 
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/landform.h"
-#include "tafoni/landforms/site/cells.h"
 #include "tafoni/landforms/site/ground.h"
 #include "tafoni/landforms/site/surface.h"
+#include "tafoni/landforms/site/table_rows.h"
 #include "tafoni/math/noise.h"
 
 namespace tafoni::landforms {
 namespace {
 
 using impl::Ground;
+
+enum class Stream : std::uint64_t { sizes = 0xb1a5, places = 2 };
 
 struct Params {
   std::int64_t count = 4;
@@ -26,18 +31,22 @@ const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     ParamTable<Params> t;
     t.integer("count", &Params::count, "", 0, 10000,
-              "at random places on the surface, besides those that are given and the layer's points")
-        .real("radius", &Params::radius, "m", 0.1, 500, "of a crater, on average")
-        .real("variation", &Params::variation, "", 0, 0.9, "share by which radii vary at random")
-        .real("depth", &Params::depth, "", 0, 2, "of the blast under the surface, as a share of the radius")
+              "How many explosions go off at random places on the surface, besides those that are given and "
+              "the layer's points")
+        .real("radius", &Params::radius, "m", 0.1, 500, "Radius of a crater, on average")
+        .real("variation", &Params::variation, "", 0, 0.9,
+              "Share by which radii vary at random; 0 for craters of one size")
+        .real("depth", &Params::depth, "", 0, 2,
+              "How deep under the surface a blast lies, as a share of the radius: more leaves caves with a "
+              "small mouth")
         .real("rim", &Params::rim, "", 0, 1,
-              "height of what is thrown out around the crater, as a share of the radius")
+              "Height of what is thrown out around the crater, as a share of the radius; 0 for no rim")
         .real("roughness", &Params::roughness, "", 0, 0.6,
-              "unevenness of the crater, as a share of the radius")
+              "Unevenness of the crater, as a share of the radius; 0 for a smooth bowl")
         .rows("blast", &Params::blast,
-              {numbers_column("at", "", "m", 3, -1e9, 1e9, "x, y and z, world"),
-               numbers_column("radius", "", "m", 1, 0.1, 500, "empty for the layer's")},
-              "explosions whose place is given, in the air, at the surface or in the rock");
+              {numbers_column("at", "", "m", 3, -1e9, 1e9, "World x, y and z of the blast"),
+               numbers_column("radius", "", "m", 1, 0.1, 500, "Radius of the crater; empty for the layer's")},
+              "Explosions whose place is given, in the air, at the surface or in the rock");
     return t;
   }();
   return params;
@@ -55,7 +64,7 @@ class Craters {
   Craters(const Ground& ground, const Params& p)
       : ground_(ground),
         p_(p),
-        random_(ground.site().seed, 0xb1a5),
+        random_(ground.site().seed, Stream::sizes),
         field_(field::compile(ground.site().terrain)) {}
 
   std::vector<Blast> blasts(Progress& progress) {
@@ -74,8 +83,8 @@ class Craters {
     const Vec3d extent = ground_.box().size();
     sampling.spacing = std::max(2 * p_.radius, std::max(extent.x, extent.y) / 80);
     sampling.box = ground_.box();
-    sampling.seed = hash_combine(ground_.site().seed, 2);
-    sampling.accept = [&](const SurfacePoint& s) { return ground_.usable(s.position, 2.2 * p_.radius); };
+    sampling.seed = hash_combine(ground_.site().seed, Stream::places);
+    sampling.accept = [&](const SurfaceSample& s) { return ground_.usable(s.position, 2.2 * p_.radius); };
     std::int64_t left = p_.count;
     const auto places = sample_surface(field_, sampling, progress);
     if (places.empty())
@@ -83,7 +92,7 @@ class Craters {
           "explosions finds no place for a crater of {:g} m: each must lie {:g} m off the terrain's border; "
           "give a smaller radius",
           p_.radius, 2.2 * p_.radius));
-    for (const SurfacePoint& s : places) {
+    for (const SurfaceSample& s : places) {
       if (left-- == 0) break;
       const double r = radius();
       add(out, s.position - to_double(s.normal) * (p_.depth * r), r);
@@ -155,23 +164,23 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   progress.check();
   const Ground ground(site);
   Result result;
-  std::vector<double> places, radii;
+  std::vector<Vec3d> places;
+  std::vector<double> radii;
   std::uint64_t primitives = 0;
   if (!ground.box().empty()) {
     Craters craters(ground, p);
     const std::vector<Blast> blasts = craters.blasts(progress);
     for (const Blast& b : blasts) {
-      const Vec3d world = b.at + site.origin;
-      places.insert(places.end(), {world.x, world.y, world.z});
+      places.push_back(b.at);
       radii.push_back(b.radius);
     }
     result.nodes = craters.nodes(blasts);
     for (const auto& node : result.nodes) primitives += field::stats(node).primitives;
   }
-  result.report = {{"explosions", static_cast<std::int64_t>(radii.size())},
-                   {"positions", places},
-                   {"radii_m", radii},
-                   {"primitives", static_cast<std::int64_t>(primitives)}};
+  result.facts.count("explosions", std::ssize(radii))
+      .places("positions", places)
+      .lengths("radii", radii)
+      .count("primitives", static_cast<std::int64_t>(primitives));
   return result;
 }
 

@@ -86,7 +86,7 @@ class Pathfinder {
   bool blocks(const Stretch& s, const Stretch& other) const {
     const int n = 2 + static_cast<int>(2 * length(s.to - s.from));
     for (int i = 0; i <= n; ++i) {
-      const Vec3d p = s.from + (s.to - s.from) * (static_cast<double>(i) / n);
+      const Vec3d p = s.from + (s.to - s.from) * (1.0 * i / n);
       const auto [top, on] = floor_at(other, p);
       if (top > p.z + step && on - settings_.depth < p.z + head) return true;
     }

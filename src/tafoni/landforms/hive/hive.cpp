@@ -1,11 +1,16 @@
+// A hive: rough ground by subdivision, chambers under it, tunnels from chamber to chamber and to mouths on
+// hillsides, all joined and walkable [Ju01]. Rooms are placed first, then joined, then opened; what cannot be
+// joined is not dug.
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <utility>
 
 #include "tafoni/core/random.h"
-#include "tafoni/landforms/hollows/burrows.h"
+#include "tafoni/landforms/hive/hive_area.h"
 #include "tafoni/landforms/hollows/hollow.h"
+#include "tafoni/landforms/hollows/tunnel_planner.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/rock/fractal_ground.h"
 #include "tafoni/math/angle.h"
@@ -13,11 +18,13 @@
 namespace tafoni::landforms {
 namespace {
 
-using impl::Burrows;
 using impl::Ground;
+using impl::TunnelPlanner;
 using impl::WayEnd;
 
-struct Params : impl::HollowParams {
+enum class Stream : std::uint64_t { rooms = 0x417e, ground = 1 };
+
+struct Params : impl::HollowParams, impl::TunnelParams {
   double size = 220;
   double noise = 0.25;
   std::int64_t entrances = 3;
@@ -25,33 +32,33 @@ struct Params : impl::HollowParams {
   std::string kinds = "storage queen hall";
   double cell = 0;
   double chamber_noise = 0.04;
-  double radius = 2.5;
-  double wander = 0.22;
   double slope = 25;
-  double cover = 4;
   double depth = 0;
+  Params() { cover = 4; }
 };
 
 const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     ParamTable<Params> t;
     t.real("size", &Params::size, "m", 10, 5000,
-           "a side of the ground that it takes, about the layer's first point or where the ground is most "
-           "uneven")
+           "Side of the square of ground that it takes, about the layer's first point or where the ground is "
+           "most uneven")
         .real("noise", &Params::noise, "", 0, 5,
-              "of the ground over it, as fractal-terrain has it; 0 leaves it")
-        .integer("entrances", &Params::entrances, "", 0, 100, "most, on hillsides")
-        .integer("chambers", &Params::chambers, "", 0, 100, "most")
-        .text("kinds", &Params::kinds, "of the chambers, in turn; see the landform chambers")
+              "Roughness of the ground over it, as fractal-terrain has it; 0 leaves the ground as it is")
+        .integer("entrances", &Params::entrances, "", 0, 100, "Most entrances that are opened on hillsides")
+        .integer("chambers", &Params::chambers, "", 0, 100, "Most chambers that are dug")
+        .text("kinds", &Params::kinds, "Kinds of the chambers, in turn; see the landform chambers")
         .real("cell", &Params::cell, "m", 0, 100,
-              "of the chambers' lattices, 0 for the kinds' own or what fits")
-        .real("chamber_noise", &Params::chamber_noise, "", 0, 2, "unevenness of chambers, in cells")
-        .real("radius", &Params::radius, "m", 0.5, 100, "of the tunnels, on average")
-        .real("wander", &Params::wander, "", 0, 0.5, "of the tunnels, as the landform tunnels has it")
-        .real("slope", &Params::slope, "deg", 1, 60, "of the steepest floor of a tunnel")
-        .real("cover", &Params::cover, "m", 0, 1000, "least rock over a roof")
+              "Side of a cell of the chambers' lattices; 0 for the kinds' own or what fits")
+        .real("chamber_noise", &Params::chamber_noise, "", 0, 2, "Unevenness of chambers, in cells")
+        .real("radius", &Params::radius, "m", 0.5, 100, "Radius of the tunnels, on average")
+        .real(
+            "wander", &Params::wander, "", 0, 0.5,
+            "Most that the middle of a tunnel's stretch lies off its straight line, as a share of its length")
+        .real("slope", &Params::slope, "deg", 1, 60, "Slope of the steepest floor of a tunnel")
+        .real("cover", &Params::cover, "m", 0, 1000, "Least rock that is left over a roof")
         .real("depth", &Params::depth, "m", 0, 10000,
-              "how far below the lowest ground may be dug, 0 for almost the terrain's influence");
+              "How far below the lowest ground may be dug; 0 for almost the terrain's influence");
     impl::add_hollow_params(t);
     return t;
   }();
@@ -71,9 +78,9 @@ class Hive {
       : ground_(ground),
         p_(p),
         area_(area),
-        random_(ground.site().seed, 0x417e),
+        random_(ground.site().seed, Stream::rooms),
         progress_(progress),
-        burrows_(ground, settings(ground, p, area), progress),
+        planner_(ground, settings(ground, p, area), progress),
         hollow_(ground, p, p.radius) {}
 
   Result run() {
@@ -81,25 +88,20 @@ class Hive {
     join_rooms();
     open_mouths();
     Result result = hollow_.finish(progress_);
-    std::vector<double> stands;
-    const auto put = [&](std::vector<double>& to, Vec3d local) {
-      const Vec3d world = local + ground_.site().origin;
-      to.insert(to.end(), {world.x, world.y, world.z});
-    };
-    for (const Room& room : rooms_) put(stands, room.stand);
-    std::vector<double> entrances;
-    for (const Vec3d& mouth : opened_) put(entrances, mouth);
-    result.report.insert(result.report.begin(), {{"entrances", entrances}, {"chambers", stands}});
+    std::vector<Vec3d> stands;
+    for (const Room& room : rooms_) stands.push_back(room.stand);
+    Facts facts;
+    facts.places("entrances", opened_).places("chambers", stands);
+    facts.append(result.facts);
+    result.facts = std::move(facts);
     if (opened_.empty() && p_.entrances > 0)
       progress_.warn("the hive has no entrance: no hillside here has room for a tunnel behind it");
     return result;
   }
 
  private:
-  static impl::BurrowSettings settings(const Ground& ground, const Params& p, const Box3d& area) {
-    impl::BurrowSettings s;
-    s.area = area;
-    s.radius = p.radius, s.wander = p.wander, s.cover = p.cover;
+  static impl::TunnelPlannerSettings settings(const Ground& ground, const Params& p, const Box3d& area) {
+    impl::TunnelPlannerSettings s{p, area};
     s.slope = std::tan(p.slope * degree);
     s.lowest = area.lo.z + 1;
     s.seed = ground.site().seed;
@@ -109,7 +111,7 @@ class Hive {
   /// Where the middle of the hillsides is, so that ways are short and level.
   double wanted_floor() const {
     std::vector<double> heights;
-    for (const impl::Mouth& m : burrows_.mouths()) heights.push_back(m.ground.z);
+    for (const impl::Mouth& m : planner_.mouths()) heights.push_back(m.ground.z);
     if (heights.empty()) return 1e9;
     const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() * 2 / 5);
     std::nth_element(heights.begin(), middle, heights.end());
@@ -150,7 +152,7 @@ class Hive {
       at.x = random_.uniform(area_.lo.x, area_.hi.x);
       at.y = random_.uniform(area_.lo.y, area_.hi.y);
       const double merit = random_.uniform(0, 6);
-      const double roof = burrows_.roof(at.x, at.y, around) - p_.cover - size.z;
+      const double roof = planner_.roof(at.x, at.y, around) - p_.cover - size.z;
       at.z = std::min(roof, target - 0.5 * s.cell);
       if (at.z < area_.lo.z + 2 || !apart(at, around)) continue;
       // Deep under a mountain is no better than shallow under a hill.
@@ -206,9 +208,9 @@ class Hive {
       return std::find(taken_.begin(), taken_.end(), end.floor) != taken_.end();
     };
     if (is_taken(from) || is_taken(to)) return false;
-    auto way = burrows_.way(from, to, random_.next(), [&](Vec3d p) { return in_a_room(p, from, to); });
+    auto way = planner_.way(from, to, random_.next(), [&](Vec3d p) { return in_a_room(p, from, to); });
     if (!way) return false;
-    burrows_.keep_off(*way);
+    planner_.keep_off(*way);
     taken_.insert(taken_.end(), {from.floor, to.floor});
     hollow_.add(std::move(*way));
     return true;
@@ -249,7 +251,7 @@ class Hive {
     const Vec3d extent = area_.size();
     int tries = 0;
     for (double far = 0.35 * std::min(extent.x, extent.y); far > 4 * p_.radius; far *= 0.6)
-      for (const impl::Mouth& mouth : burrows_.mouths()) {
+      for (const impl::Mouth& mouth : planner_.mouths()) {
         if (static_cast<std::int64_t>(opened_.size()) >= p_.entrances || ++tries > 600) return;
         const auto near = [&](Vec3d other) { return length(other - mouth.ground) < far; };
         if (std::any_of(opened_.begin(), opened_.end(), near)) continue;
@@ -258,7 +260,7 @@ class Hive {
   }
 
   bool open(const impl::Mouth& mouth) {
-    const WayEnd from = burrows_.end_of(mouth);
+    const WayEnd from = planner_.end_of(mouth);
     if (rooms_.empty()) {
       const WayEnd to{from.floor + mouth.inward * (16 * p_.radius), -mouth.inward, p_.radius, false};
       return dig(from, to);
@@ -279,55 +281,12 @@ class Hive {
   Box3d area_;
   Random random_;
   Progress& progress_;
-  Burrows burrows_;
+  TunnelPlanner planner_;
   impl::Hollow hollow_;
   std::vector<Room> rooms_;
   std::vector<Vec3d> opened_;
   std::vector<Vec3d> taken_;  ///< doors and mouths, by their floors
 };
-
-/// The square that it takes: about the user's point, or where heights differ most.
-Box3d area_of(const Ground& ground, const Params& p) {
-  const Site& site = ground.site();
-  Box3d area = ground.box();
-  area.lo.z += site.influence - (p.depth > 0 ? p.depth : site.influence - 1);
-  const double half = 0.5 * p.size;
-  const auto fit = [&](double v, double lo, double hi) {
-    return hi - lo > 2 * half ? std::clamp(v, lo + half, hi - half) : 0.5 * (lo + hi);
-  };
-  Vec3d middle = area.center();
-  if (!site.points.empty()) {
-    middle = site.points.front();
-  } else {
-    double best = -1;
-    constexpr int places = 16, within = 8;
-    for (int j = 0; j < places; ++j)
-      for (int i = 0; i < places; ++i) {
-        const double x = fit(area.lo.x + (i + 0.5) / places * (area.hi.x - area.lo.x), area.lo.x, area.hi.x),
-                     y = fit(area.lo.y + (j + 0.5) / places * (area.hi.y - area.lo.y), area.lo.y, area.hi.y);
-        double low = 1e30, high = -1e30;
-        int outside = 0;
-        for (int v = -within; v <= within; ++v)
-          for (int u = -within; u <= within; ++u) {
-            const double px = x + u * half / within, py = y + v * half / within;
-            if (!ground.usable({px, py, area.center().z})) {
-              ++outside;
-              continue;
-            }
-            const double h = ground.height(px, py);
-            low = std::min(low, h), high = std::max(high, h);
-          }
-        // Ground that may not be dug is of no use.
-        const double relief =
-            (high - low) * (1 - static_cast<double>(outside) / ((2 * within + 1) * (2 * within + 1)));
-        if (relief > best) best = relief, middle.x = x, middle.y = y;
-      }
-  }
-  const double x = fit(middle.x, area.lo.x, area.hi.x), y = fit(middle.y, area.lo.y, area.hi.y);
-  area.lo.x = std::max(area.lo.x, x - half), area.hi.x = std::min(area.hi.x, x + half);
-  area.lo.y = std::max(area.lo.y, y - half), area.hi.y = std::min(area.hi.y, y + half);
-  return area;
-}
 
 Result generate(const Site& site, const Values& values, Progress& progress) {
   Params p;
@@ -336,10 +295,10 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   const Ground ground(site);
   if (ground.box().empty()) {
     Result nothing;
-    nothing.report = {{"entrances", std::vector<double>{}}, {"primitives", std::int64_t{0}}};
+    nothing.facts.places("entrances", {}).count("primitives", 0);
     return nothing;
   }
-  const Box3d area = area_of(ground, p);
+  const Box3d area = impl::find_hive_area(ground, p.size, p.depth);
   Site crag = site;
   Result top;
   Region region = site.region ? *site.region : Region();
@@ -348,7 +307,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
     s.noise = p.noise;
     s.coarse = std::min(40.0, 0.25 * std::min(area.size().x, area.size().y));
     s.spacing = p.spacing > 0 ? p.spacing : 0.3 * p.radius;
-    s.seed = hash_combine(site.seed, 1);
+    s.seed = hash_combine(site.seed, Stream::ground);
     Site over = site;
     Box3d all = area;
     all.lo.z -= 1e5, all.hi.z += 1e5;
@@ -367,7 +326,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   else if (top.reshape)
     result.reshape = top.reshape;
   result.reshaped.expand(top.reshaped);
-  result.report.emplace_back("primitives", std::int64_t{0});
+  result.facts.count("primitives", 0);
   return result;
 }
 

@@ -13,6 +13,8 @@ namespace {
 
 using volume::ScalarGrid;
 
+enum class Stream : std::uint64_t { walls = 0x407 };
+
 class HollowShape final : public RockShape {
  public:
   HollowShape(ScalarGrid grid, const RockTexture& texture) : RockShape(texture), grid_(std::move(grid)) {}
@@ -156,7 +158,7 @@ Hollow::Hollow(const Ground& ground, const HollowParams& params, double radius) 
   texture_.wavelength = 1.6 * radius;
   texture_.amplitude = site.amplitude;
   texture_.origin = site.origin;
-  texture_.seed = hash_combine(site.seed, 0x407);
+  texture_.seed = hash_combine(site.seed, Stream::walls);
 }
 
 Box3d Hollow::bounds(double reach) const {
@@ -166,8 +168,9 @@ Box3d Hollow::bounds(double reach) const {
   return box;
 }
 
-void Hollow::report_routes(Result& result) const {
-  std::vector<double> routes, points;
+void Hollow::tell_routes(Facts& facts) const {
+  std::vector<Vec3d> routes;
+  std::vector<double> points;
   double length = 0;
   for (const volume::Tunnel& t : tunnels_) {
     length += volume::length(t);
@@ -179,16 +182,15 @@ void Hollow::report_routes(Result& result) const {
       // Close enough together for the way between them to stay off the walls.
       if (since < 1 && i + 1 < t.axis.size()) continue;
       since = 0;
-      const Vec3d world = a.position + ground_.site().origin;
-      routes.insert(routes.end(), {world.x, world.y, world.z - std::min(t.floor, a.radius)});
+      routes.push_back(a.position - Vec3d{0, 0, std::min(t.floor, a.radius)});
       ++count;
     }
     points.push_back(count);
   }
-  result.report.emplace_back("tunnels", static_cast<std::int64_t>(tunnels_.size()));
-  result.report.emplace_back("tunnel_length_m", length);
-  result.report.emplace_back("routes", routes);
-  result.report.emplace_back("route_points", points);
+  facts.count("tunnels", std::ssize(tunnels_))
+      .length("tunnel_length", length)
+      .places("routes", routes)
+      .numbers("route_points", points);
 }
 
 void Hollow::check_size(double reach) const {
@@ -213,12 +215,12 @@ void Hollow::check_size(double reach) const {
 Result Hollow::finish(Progress& progress) const {
   Result result;
   const Site& site = ground_.site();
-  report_routes(result);
+  tell_routes(result.facts);
   const double margin = 0.5 * std::abs(texture_.relief) + texture_.unevenness;
   const double reach = site.amplitude + margin + spacing_;
   const Box3d box = bounds(reach + 2 * spacing_);
   if (box.empty()) {
-    result.report.emplace_back("volume_m3", 0.0);
+    result.facts.volume("volume", 0);
     return result;
   }
   check_size(reach);
@@ -228,7 +230,7 @@ Result Hollow::finish(Progress& progress) const {
     progress.check();
     volume::carve(grid, chamber);
   }
-  result.report.emplace_back("volume_m3", carved_volume(grid, site.terrain));
+  result.facts.volume("volume", carved_volume(grid, site.terrain));
   const auto shape = std::make_shared<HollowShape>(std::move(grid), texture_);
   const auto control = control_of(site, 2 * spacing_);
   result.reshaped = box;

@@ -21,9 +21,10 @@ struct HollowParams {
 template <class P>
 void add_hollow_params(ParamTable<P>& t) {
   t.real("spacing", &P::spacing, "m", 0, 100,
-         "between the samples of the volume, 0 for a fifth of the radius")
-      .real("roughness", &P::roughness, "m", 0, 20, "most that walls and floors are uneven")
-      .real("relief", &P::relief, "m", 0, 50, "how far beds of soft rock recede behind hard ones");
+         "Distance between the samples of the volume: less is finer and slower; 0 for a fifth of the radius")
+      .real("roughness", &P::roughness, "m", 0, 20, "Most that walls and floors are uneven")
+      .real("relief", &P::relief, "m", 0, 50,
+            "How far beds of soft rock recede behind hard ones; 0 for plain walls");
 }
 
 class Hollow {
@@ -36,16 +37,16 @@ class Hollow {
   /// Finer than it need be for chambers.
   double spacing() const { return spacing_; }
 
-  /// min(tree, distance to the walls), kept off where the site may not be changed. Its report tells the
-  /// tunnels' length, the volume carved and where to walk: `routes`, world positions of three numbers each
-  /// along the floor of every tunnel, one tunnel after another, `route_points` of them each.
+  /// min(tree, distance to the walls), kept off where the site may not be changed. Its facts tell the
+  /// tunnels' length, the volume carved and where to walk: `routes`, places along
+  /// the floor of every tunnel, one tunnel after another, `route_points` of them each.
   Result finish(Progress& progress) const;
 
  private:
   Box3d bounds(double reach) const;
   /// Throws Error{usage} where the spacing is too fine for what is dug; `reach`: metres of rock about it.
   void check_size(double reach) const;
-  void report_routes(Result& result) const;
+  void tell_routes(Facts& facts) const;
 
   const Ground& ground_;
   RockTexture texture_;

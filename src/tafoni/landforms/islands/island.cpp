@@ -11,7 +11,7 @@
 
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/site/spatial_hash.h"
-#include "tafoni/landforms/site/steepest.h"
+#include "tafoni/landforms/site/steepest_slope.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
 #include "tafoni/raster/distance.h"
@@ -80,7 +80,7 @@ class Shape {
     field::TerrainSettings settings;
     settings.influence = reach();
     settings.amplitude = ground_.site().amplitude;
-    steepest_ = 1.5 * std::max(steepest(*top), steepest(*under));
+    steepest_ = 1.5 * std::max(steepest_slope(*top), steepest_slope(*under));
     lowest_ = *std::min_element(under->values.values().begin(), under->values.values().end());
     highest_ = *std::max_element(top->values.values().begin(), top->values.values().end());
     const field::Domain prism{box(), inside_};

@@ -11,7 +11,6 @@
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/karst/passages.h"
 #include "tafoni/landforms/rock/erosion.h"
-#include "tafoni/math/angle.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
 
@@ -230,7 +229,7 @@ std::vector<Point> carve_room(const Chamber& room, const Ground& ground, Random 
   const int layers = std::max(2, static_cast<int>(std::lround((roof - floor) / apart)));
   std::vector<Point> points;
   for (int k = 0; k < layers; ++k) {
-    const double t = static_cast<double>(k) / (layers - 1);
+    const double t = 1.0 * k / (layers - 1);
     const double z = floor + 0.4 * apart + (roof - floor - 0.8 * apart) * t;
     // Corbelled: a step in every second layer.
     const double shrunk = 1 - 0.5 * smoothstep(0.3, 1.1, 0.5 * std::floor(2 * t * 2) / 2 + 0.5 * t);
@@ -276,7 +275,7 @@ bool drop_pockets(const field::CompiledField& field, double breadth, bool alone,
     for (std::size_t k = 0; k < steps; ++k)
       ways.push_back(p.center + (p.from - p.center) * (static_cast<double>(k) / steps));
   std::vector<float> values(ways.size());
-  parallel_blocks(static_cast<std::int64_t>(ways.size()), 8192, [&](std::int64_t begin, std::int64_t end) {
+  parallel_blocks(std::ssize(ways), 8192, [&](std::int64_t begin, std::int64_t end) {
     field.values(std::span(ways).subspan(begin, end - begin), std::span(values).subspan(begin, end - begin));
   });
   const auto closed = [&](const Point& p, std::size_t i) {

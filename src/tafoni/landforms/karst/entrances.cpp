@@ -92,7 +92,7 @@ class Chooser {
                                   std::max(1.5 * size_.spacing, 1e-3));
     sampling.box = ground_.box();
     sampling.seed = hash_combine(ground_.site().seed, Stream::surface);
-    sampling.accept = [&](const SurfacePoint& at) {
+    sampling.accept = [&](const SurfaceSample& at) {
       return at.normal.z > least_up && high(at.position) && ground_.usable(at.position, size_.spacing);
     };
     surface_ = sample_surface(field_, sampling, progress_);
@@ -118,7 +118,7 @@ class Chooser {
 
   std::vector<Vec3d> gentle_ground() const {
     std::vector<Candidate> places;
-    for (const SurfacePoint& at : surface_)
+    for (const SurfaceSample& at : surface_)
       if (at.normal.z > gentle_up && deep(at.position)) {
         const Vec3d below = at.position - Vec3d{0, 0, under_ground * size_.radius};
         places.push_back({ground_.resistance(below), at.position});
@@ -129,7 +129,7 @@ class Chooser {
   std::vector<Vec3d> faces() const {
     const auto steep = static_cast<float>(std::cos(s_.face_slope * degree));
     std::vector<Candidate> places;
-    for (const SurfacePoint& at : surface_)
+    for (const SurfaceSample& at : surface_)
       if (at.normal.z < steep && thick(at)) {
         const Vec3d behind = at.position - to_double(at.normal) * (behind_face * size_.radius);
         places.push_back({ground_.resistance(behind), at.position});
@@ -148,7 +148,7 @@ class Chooser {
   }
 
   /// Whether there is rock enough behind a face for a cave, not a fin or a pillar.
-  bool thick(const SurfacePoint& at) const {
+  bool thick(const SurfaceSample& at) const {
     const Vec3d outward = to_double(at.normal);
     const Vec3d inward = normalized(Vec3d{-outward.x, -outward.y, inward_fall});
     const Vec3d aside = Vec3d{-inward.y, inward.x, 0} * (fin * size_.radius);
@@ -190,7 +190,7 @@ class Chooser {
   double lowest_;
   const EntranceSettings& s_;
   Progress& progress_;
-  std::vector<SurfacePoint> surface_;
+  std::vector<SurfaceSample> surface_;
 };
 
 }  // namespace

@@ -46,11 +46,13 @@ const ParamTable<Params>& table() {
                  "Most entrances in closed depressions or, where there are too few, in the softest gentle "
                  "ground")
         .integer("faces", &Params::faces, "", 0, 10000, "Most entrances in cliff faces")
+        .only("where the sinks leave room for more", {{"sinks", std::int64_t{0}}})
         .real("sink_depth", &Params::sink_depth, "m", 0, 1000,
               "Depressions shallower than this swallow no water")
         .only("where the terrain has closed depressions")
         .real("face_slope", &Params::face_slope, "deg", 5, 89,
               "Slope from which ground counts as a cliff face")
+        .only("where the sinks leave room for more", {{"sinks", std::int64_t{0}}})
         .real("passage", &Params::passage, "m", 10, 1e6,
               "About the length of passage that one entrance may grow")
         .real("depth", &Params::depth, "m", 1, 5000, "How far caves go down below their entrance")

@@ -59,9 +59,9 @@ class Shaper {
     widths();
     drop_dead_ends();
     name_networks();
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
+    for (std::int32_t i = 0; i < std::ssize(nodes_); ++i)
       if (kept_[i] && nodes_[i].parent < 0) walk_from_seed(i);
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
+    for (std::int32_t i = 0; i < std::ssize(nodes_); ++i)
       if (kept_[i] && nodes_[i].parent >= 0 && !walked_[i]) walk_branch(i);
     for (const auto& [a, b] : percolation_.merges) add({at(a), at(b)}, {radius_[a], radius_[b]}, a);
     for (const CaveExit& exit : percolation_.exits) leave(exit);
@@ -75,9 +75,9 @@ class Shaper {
   void gather() {
     children_.resize(nodes_.size());
     beyond_.assign(nodes_.size(), 1);
-    for (std::size_t i = nodes_.size(); i-- > 0;) {
+    for (auto i = static_cast<std::int32_t>(nodes_.size()); i-- > 0;) {
       if (nodes_[i].parent < 0) continue;
-      children_[nodes_[i].parent].push_back(static_cast<std::int32_t>(i));
+      children_[nodes_[i].parent].push_back(i);
       beyond_[nodes_[i].parent] += beyond_[i];
     }
   }
@@ -87,7 +87,7 @@ class Shaper {
     std::vector<double> most(nodes_.size(), 1.0);
     radius_.resize(nodes_.size());
     effect_.resize(nodes_.size());
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    for (std::int32_t i = 0; i < std::ssize(nodes_); ++i) {
       const std::int32_t parent = nodes_[i].parent;
       most[i] = parent < 0 ? beyond_[i] : most[parent];
       const double stress = least_stress + (1 - least_stress) * std::sqrt(beyond_[i] / most[i]);
@@ -100,11 +100,11 @@ class Shaper {
   void chambers() {
     if (s_.chambers <= 0) return;
     std::vector<int> ways(nodes_.size(), 0);
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
+    for (std::int32_t i = 0; i < std::ssize(nodes_); ++i)
       if (kept_[i] && nodes_[i].parent >= 0) ++ways[i], ++ways[nodes_[i].parent];
     for (const auto& [a, b] : percolation_.merges) ways[a] += 2, ways[b] += 2;
     SpatialHash rooms(8 * size_.spacing);
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    for (std::int32_t i = 0; i < std::ssize(nodes_); ++i) {
       if (!kept_[i] || nodes_[i].parent < 0) continue;
       Random random(seed_, i);
       const double weak = 1 - smoothstep(soft_rock, firm_rock, nodes_[i].resistance);
@@ -132,14 +132,14 @@ class Shaper {
     std::vector<bool> needed(nodes_.size(), false);
     for (const auto& [a, b] : percolation_.merges) needed[a] = needed[b] = true;
     for (const CaveExit& exit : percolation_.exits) needed[exit.node] = true;
-    for (std::size_t i = nodes_.size(); i-- > 0;) {
+    for (auto i = static_cast<std::int32_t>(nodes_.size()); i-- > 0;) {
       for (std::int32_t c : children_[i]) needed[i] = needed[i] || kept_[c];
       kept_[i] = needed[i] || effect_[i] >= s_.threshold;
     }
     // A seed that led nowhere leaves no mark.
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
+    for (std::int32_t i = 0; i < std::ssize(nodes_); ++i)
       if (nodes_[i].parent < 0 && beyond_[i] < fewest_nodes && !needed[i]) kept_[i] = false;
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
+    for (std::int32_t i = 0; i < std::ssize(nodes_); ++i)
       if (nodes_[i].parent >= 0 && !kept_[nodes_[i].parent]) kept_[i] = false;
   }
 
@@ -150,14 +150,14 @@ class Shaper {
       while (joined[i] != i) i = joined[i];
       return i;
     };
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
+    for (std::int32_t i = 0; i < std::ssize(nodes_); ++i)
       if (nodes_[i].parent >= 0) joined[i] = root(nodes_[i].parent);
     for (const auto& [a, b] : percolation_.merges) joined[root(a)] = root(b);
     std::vector<std::int32_t> names(nodes_.size(), -1);
     network_.assign(nodes_.size(), -1);
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    for (std::int32_t i = 0; i < std::ssize(nodes_); ++i) {
       if (!kept_[i]) continue;
-      std::int32_t& name = names[root(static_cast<std::int32_t>(i))];
+      std::int32_t& name = names[root(i)];
       if (name < 0) name = caves_.networks++;
       network_[i] = name;
     }
@@ -180,7 +180,7 @@ class Shaper {
     }
   }
 
-  void walk_from_seed(std::size_t seed) {
+  void walk_from_seed(std::int32_t seed) {
     const Vec3d p = nodes_[seed].position;
     float value = 0;
     Vec3f gradient;
@@ -196,15 +196,15 @@ class Shaper {
       caves_.entrances.push_back(p);
       if (outward.z > swallet_up) caves_.swallets.push_back(p);
     }
-    follow(static_cast<std::int32_t>(seed), line, radius);
-    add(line, radius, static_cast<std::int32_t>(seed));
+    follow(seed, line, radius);
+    add(line, radius, seed);
   }
 
-  void walk_branch(std::size_t node) {
+  void walk_branch(std::int32_t node) {
     std::vector<Vec3d> line = {at(nodes_[node].parent)};
     std::vector<double> radius = {std::min(radius_[nodes_[node].parent], radius_[node])};
-    follow(static_cast<std::int32_t>(node), line, radius);
-    add(line, radius, static_cast<std::int32_t>(node));
+    follow(node, line, radius);
+    add(line, radius, node);
   }
 
   void leave(const CaveExit& exit) {
@@ -227,7 +227,7 @@ class Shaper {
       const double span = length(point(i + 1) - point(i));
       const int pieces = std::max(1, static_cast<int>(std::ceil(span / step)));
       for (int k = 0; k < pieces + (i + 2 == n); ++k) {
-        const double t = static_cast<double>(k) / pieces;
+        const double t = 1.0 * k / pieces;
         const double r0 = radius[i], r1 = radius[i + 1];
         passage.line.push_back(spline(point(i - 1), point(i), point(i + 1), point(i + 2), t));
         passage.radius.push_back(r0 + (r1 - r0) * t * t * (3 - 2 * t));

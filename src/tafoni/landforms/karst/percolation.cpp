@@ -54,8 +54,7 @@ class Percolator {
       if (!is_seed && (next.rho >= s_.resistance || carved >= space_.points_per_seed)) continue;
       ++carved;
       progress_.advance();
-      const auto node = static_cast<std::int32_t>(result_.nodes.size());
-      result_.nodes.push_back({next.position, next.parent, next.start, next.rho});
+      const std::int32_t node = add({next.position, next.parent, next.start, next.rho});
       node_of_[next.sphere] = node;
       propagate(node);
     }
@@ -204,7 +203,7 @@ class Percolator {
   bool covered(const CaveNode& from, Vec3d to) const {
     constexpr int probes = 4;
     for (int i = 1; i <= probes; ++i) {
-      const double t = static_cast<double>(i) / probes;
+      const double t = 1.0 * i / probes;
       if (from.parent < 0 && i < probes) continue;
       const Vec3d p = from.position + (to - from.position) * t;
       for (const Vec3d d : {Vec3d{0, 0, 0}, {0, 0, 1}, {0.8, 0, 0}, {-0.8, 0, 0}, {0, 0.8, 0}, {0, -0.8, 0}})
@@ -217,12 +216,12 @@ class Percolator {
   void resurge(Vec3d spring) {
     std::int32_t node = -1;
     double nearest = std::numeric_limits<double>::max();
-    for (std::size_t i = 0; i < result_.nodes.size(); ++i) {
+    for (std::int32_t i = 0; i < std::ssize(result_.nodes); ++i) {
       const CaveNode& n = result_.nodes[i];
       const double far = length(n.position - spring);
       if (n.parent < 0 || n.position.z < spring.z || far >= nearest) continue;
       nearest = far;
-      node = static_cast<std::int32_t>(i);
+      node = i;
     }
     if (node < 0) return;
     const Vec3d outward = outward_at(spring);
@@ -255,10 +254,13 @@ class Percolator {
     result_.exits.push_back({extend(node, inside, ground_.resistance(inside)), spring, outward});
   }
 
-  std::int32_t extend(std::int32_t node, Vec3d p, double rho) {
-    const std::int32_t start = result_.nodes[node].start;
-    result_.nodes.push_back({p, node, start, rho});
+  std::int32_t add(const CaveNode& node) {
+    result_.nodes.push_back(node);
     return static_cast<std::int32_t>(result_.nodes.size() - 1);
+  }
+
+  std::int32_t extend(std::int32_t node, Vec3d p, double rho) {
+    return add({p, node, result_.nodes[node].start, rho});
   }
 
   Vec3d outward_at(Vec3d p) const {

@@ -7,7 +7,8 @@
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/site/ground.h"
-#include "tafoni/landforms/site/steepest.h"
+#include "tafoni/landforms/site/region.h"
+#include "tafoni/landforms/site/steepest_slope.h"
 #include "tafoni/math/angle.h"
 #include "tafoni/math/smoothstep.h"
 #include "tafoni/terrain/analysis.h"
@@ -124,7 +125,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   region.limit_mask(mask);
   const field::FunctionPtr control = as_function(&region, amplitude);
   // The distance of a heightfield reaches farther up over faces, by the slope.
-  const double reach = site.influence * std::hypot(1.0, impl::steepest(*site.heights)) + amplitude;
+  const double reach = site.influence * std::hypot(1.0, impl::steepest_slope(*site.heights)) + amplitude;
   result.reshaped = ground.box();
   result.reshaped.lo.z -= reach;
   result.reshaped.hi.z += reach;

@@ -13,8 +13,9 @@
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/prism-field/hill_tunnel.h"
 #include "tafoni/landforms/prism-field/tool_rows.h"
-#include "tafoni/landforms/rock/replaced.h"
+#include "tafoni/landforms/rock/replacement.h"
 #include "tafoni/landforms/site/ground.h"
+#include "tafoni/landforms/site/region.h"
 #include "tafoni/volume/prism_convert.h"
 
 namespace tafoni::landforms {
@@ -81,6 +82,7 @@ const ParamTable<Params>& table() {
               "winding hollow")
         .real("tunnel", &Params::tunnel, "m", 0, 1000,
               "Radius of a level tunnel bored through the terrain's slimmest hill, 0 for none")
+        .only("where source is terrain and a hill has room for it")
         .real("cover", &Params::cover, "m", 0, 10000,
               "How deep below the hill's top the tunnel runs, 0 for a quarter of the relief")
         .only("where tunnel is above 0", {{"tunnel", 3.0}})
@@ -306,7 +308,7 @@ class Digging {
     }
     result.reshape = [leaf, control, wear = wear(control)](field::NodePtr tree) {
       constexpr float any = std::numeric_limits<float>::max();
-      return wear(field::function(impl::replaced(field::as_function(tree, -any, any), leaf, control)));
+      return wear(field::function(impl::replace_within(field::as_function(tree, -any, any), leaf, control)));
     };
     return result;
   }

@@ -7,7 +7,7 @@
 #include <fmt/core.h>
 
 #include "tafoni/core/error.h"
-#include "tafoni/landforms/site/cells.h"
+#include "tafoni/landforms/site/table_rows.h"
 
 namespace tafoni::landforms::impl {
 

@@ -20,10 +20,4 @@ inline double tube_energy(double amplitude, double open, double reach, double st
   return amplitude * step * 35 / (32 * reach * std::pow(q, 3.5));
 }
 
-/// 0 below a, 1 above b, smooth between.
-inline double smoothstep(double a, double b, double x) {
-  const double t = x <= a ? 0 : x >= b ? 1 : (x - a) / (b - a);
-  return t * t * (3 - 2 * t);
-}
-
 }  // namespace tafoni::landforms

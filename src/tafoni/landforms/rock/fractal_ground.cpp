@@ -6,7 +6,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
-#include "tafoni/landforms/rock/replaced.h"
+#include "tafoni/landforms/rock/replacement.h"
 #include "tafoni/raster/resample.h"
 
 namespace tafoni::landforms::impl {
@@ -36,9 +36,9 @@ class VolumeLeaf final : public field::Function {
 };
 
 /// The lattice, and what fills it.
-class Making {
+class LatticeFiller {
  public:
-  Making(const Ground& ground, const FractalGroundSettings& s) : ground_(ground), s_(s) {
+  LatticeFiller(const Ground& ground, const FractalGroundSettings& s) : ground_(ground), s_(s) {
     const raster::Raster& heights = *ground.site().heights;
     const raster::Placement& at = heights.placement;
     lo_ = {at.west, at.north - at.dy * heights.height()};
@@ -55,7 +55,8 @@ class Making {
     volume_.levels = std::clamp(static_cast<int>(std::ceil(std::log2(cell_ / wanted) - 1e-6)), 1, 12);
     volume_.spacing = std::ldexp(cell_, -volume_.levels);
     // At level l new samples lie a half of the level's cells from old ones.
-    volume_.noise = volume::decaying_noise(0.5 * s.noise * cell_, s.decay, volume_.levels, s.smooth);
+    volume_.noise =
+        volume::decaying_noise(0.5 * s.noise * cell_, s.decay, volume_.levels, static_cast<int>(s.smooth));
     volume_.seed = s.seed;
     lay_out();
     fill();
@@ -85,7 +86,7 @@ class Making {
                        static_cast<std::uint64_t>(chunks.z),
                    "chunks");
     made.generate(
-        [&](const volume::SampleBox& box, float* out) { return detailed(fractal, rest, box, limit, out); },
+        [&](const volume::SampleBox& box, float* out) { return add_detail(fractal, rest, box, limit, out); },
         progress);
     progress.end();
     return made;
@@ -111,10 +112,9 @@ class Making {
     volume_.cells = {cells(hi_.x - lo_.x), cells(hi_.y - lo_.y), cells(top - bottom_)};
     const auto first = [&](double lo, double hi, int n) { return 0.5 * (lo + hi - n * cell_); };
     // On the global lattice of the spacing, so that neighbouring layers agree.
-    const auto snapped = [&](double v) { return volume_.spacing * std::floor(v / volume_.spacing); };
-    volume_.origin = {snapped(first(lo_.x, hi_.x, volume_.cells.x)),
-                      snapped(first(lo_.y, hi_.y, volume_.cells.y)),
-                      snapped(first(bottom_, top, volume_.cells.z))};
+    const auto snap = [&](double v) { return volume_.spacing * std::floor(v / volume_.spacing); };
+    volume_.origin = {snap(first(lo_.x, hi_.x, volume_.cells.x)), snap(first(lo_.y, hi_.y, volume_.cells.y)),
+                      snap(first(bottom_, top, volume_.cells.z))};
   }
 
   void fill() {
@@ -156,8 +156,8 @@ class Making {
     }
   }
 
-  std::optional<float> detailed(const volume::Fractal& fractal, const std::vector<float>& rest,
-                                const volume::SampleBox& box, float limit, float* out) const {
+  std::optional<float> add_detail(const volume::Fractal& fractal, const std::vector<float>& rest,
+                                  const volume::SampleBox& box, float limit, float* out) const {
     const Vec3i size = box.size();
     const auto row_of = [&](int y) {
       return rest.data() +
@@ -201,28 +201,27 @@ FractalGround fractal_ground(const Ground& ground, const FractalGroundSettings& 
   FractalGround out;
   const Site& site = ground.site();
   if (ground.box().empty()) {
-    out.result.report = {{"samples", std::int64_t{0}}, {"primitives", std::int64_t{0}}};
+    out.result.facts.count("samples", 0).count("primitives", 0);
     return out;
   }
-  const Making making(ground, s);
-  const Vec3i wanted = making.settings().size();
+  const LatticeFiller filler(ground, s);
+  const Vec3i wanted = filler.settings().size();
   constexpr double most = 0x1p32;
   if (static_cast<double>(wanted.x) * wanted.y * wanted.z > most)
     fail(ErrorKind::usage,
          "a spacing of {:.3g} m makes {} x {} x {} samples, more than 2^32; give a greater one",
-         making.settings().spacing, wanted.x, wanted.y, wanted.z);
-  ScalarGrid grid = making.grid(progress);
+         filler.settings().spacing, wanted.x, wanted.y, wanted.z);
+  ScalarGrid grid = filler.grid(progress);
   const Vec3i n = grid.frame().size;
-  out.result.report = {{"samples", std::int64_t{n.x} * n.y * n.z},
-                       {"size", std::vector<double>{static_cast<double>(n.x), static_cast<double>(n.y),
-                                                    static_cast<double>(n.z)}},
-                       {"spacing_m", grid.frame().spacing},
-                       {"coarse_m", making.cell()},
-                       {"levels", static_cast<std::int64_t>(making.settings().levels)},
-                       {"megabytes", static_cast<double>(grid.bytes()) / 1e6},
-                       {"primitives", std::int64_t{0}}};
+  out.result.facts.count("samples", std::int64_t{n.x} * n.y * n.z)
+      .numbers("size", {1.0 * n.x, 1.0 * n.y, 1.0 * n.z})
+      .length("spacing", grid.frame().spacing)
+      .length("coarse", filler.cell())
+      .count("levels", filler.settings().levels)
+      .number("megabytes", static_cast<double>(grid.bytes()) / 1e6)
+      .count("primitives", 0);
   out.volume = volume_leaf(std::move(grid), site.amplitude);
-  const double fade = s.fade > 0 ? s.fade : 0.25 * making.cell();
+  const double fade = s.fade > 0 ? s.fade : 0.25 * filler.cell();
   const field::FunctionPtr control = control_of(site, fade);
   // Straight up and down as far as the region goes: the volume has its own rock and air there.
   Box3d all = Box3d::everything();
@@ -234,7 +233,7 @@ FractalGround fractal_ground(const Ground& ground, const FractalGroundSettings& 
   out.result.reshape = [volume = out.volume, control,
                         t = static_cast<float>(site.amplitude)](field::NodePtr tree) {
     if (!control) return field::function(volume);
-    return field::function(replaced(field::as_function(tree, -t, t), volume, control));
+    return field::function(replace_within(field::as_function(tree, -t, t), volume, control));
   };
   return out;
 }

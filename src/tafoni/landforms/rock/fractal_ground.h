@@ -2,6 +2,7 @@
 // A terrain made anew as a volume: 3D midpoint subdivision from the shape of the terrain that stands
 // [Ju01 §2].
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -11,12 +12,12 @@
 namespace tafoni::landforms::impl {
 
 struct FractalGroundSettings {
-  double noise = 0.6;  ///< most that a new sample is off, as a share of its distance to the old ones
-  double coarse = 0;   ///< metres between the given values, 0 for a quarter of the shorter side
-  double spacing = 0;  ///< metres between the finest samples, at most; 0 for the site's own choice
-  double decay = 0.5;  ///< of the noise from level to level
-  int smooth = 2;      ///< last levels without noise
-  bool detail = true;  ///< the terrain's own detail stays under the noise; else only its coarse shape
+  double noise = 0.6;       ///< most that a new sample is off, as a share of its distance to the old ones
+  double coarse = 0;        ///< metres between the given values, 0 for a quarter of the shorter side
+  double spacing = 0;       ///< metres between the finest samples, at most; 0 for the site's own choice
+  double decay = 0.5;       ///< of the noise from level to level
+  std::int64_t smooth = 2;  ///< last levels without noise
+  bool detail = true;       ///< the terrain's own detail stays under the noise; else only its coarse shape
   double fade =
       0;  ///< metres inside the region's border over which the volume takes over, 0: a quarter of coarse
   std::vector<volume::Pin> pins;  ///< their radius decides the level
@@ -25,7 +26,7 @@ struct FractalGroundSettings {
 
 struct FractalGround {
   field::FunctionPtr volume;  ///< over the whole site, before the region
-  Result result;              ///< reshapes; its report has the lattice's facts
+  Result result;              ///< reshapes; its facts tell of the lattice
 };
 
 FractalGround fractal_ground(const Ground& ground, const FractalGroundSettings& settings, Progress& progress);

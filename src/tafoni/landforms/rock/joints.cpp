@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tafoni/core/random.h"
 #include "tafoni/math/noise.h"
@@ -9,7 +10,7 @@
 namespace tafoni::landforms::impl {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+using std::numbers::pi;
 /// Angle between the two sets: conjugate joints meet at somewhat less than a right angle.
 constexpr double between_sets = 1.3;
 

@@ -1,5 +1,11 @@
+// Sea cliffs: in a few steps, ever finer, waves notch the faces about the sea level where rock and shelter
+// allow; then caves follow the joints, and frost and rain etch the beds above [Paris19 §6.1]. All of it is
+// negative points.
+
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
@@ -7,11 +13,11 @@
 #include "tafoni/landforms/rock/erosion.h"
 #include "tafoni/landforms/rock/joints.h"
 #include "tafoni/landforms/sea-cliff/sea_caves.h"
+#include "tafoni/landforms/sea-cliff/shore.h"
 #include "tafoni/landforms/site/ground.h"
 #include "tafoni/landforms/site/surface.h"
 #include "tafoni/math/noise.h"
-#include "tafoni/raster/distance.h"
-#include "tafoni/terrain/analysis.h"
+#include "tafoni/math/smoothstep.h"
 
 namespace tafoni::landforms {
 namespace {
@@ -23,62 +29,77 @@ using impl::Ground;
 using impl::Joints;
 using impl::SeaCaves;
 
-struct Params {
+enum class Stream : std::uint64_t {
+  steps = 0,
+  weathering_unevenness = 0x3d,
+  weathering = 0x3e,
+  weathering_sizes = 0x3f,
+  joints = 0x4a,
+  unevenness = 0x6e,
+  cave_mouths = 0x77,
+  caves = 0xca,
+  step_sizes = 0x100
+};
+
+struct Params : CaveSettings, impl::ShoreSettings {
   double sea_level = 0;
   double range = 8;
   std::int64_t steps = 3;
   double retreat = 6;
-  double reach = 40;
   double weathering = 1.6;
   double radius = 5;
   double spacing = 2.2;
   double beta = 0.15;
   double threshold = 0.06;
-  double accessibility = 0.5;
-  double accessibility_radius = 20;
   double slope = 28;
-  double joints = 0.7;
   double joint_spacing = 22;
   double roughness = 0.35;
-  double cave_spacing = 45;
-  double cave_length = 25;
-  double cave_radius = 2.5;
 };
 
 const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     ParamTable<Params> t;
-    t.real("sea_level", &Params::sea_level, "m", -12000, 10000, "mean elevation of the sea")
-        .real("range", &Params::range, "m", 0.5, 200, "how far above and below the sea level waves act")
-        .integer("steps", &Params::steps, "", 1, 12, "times that the sea acts on the shape it has left")
+    t.real("sea_level", &Params::sea_level, "m", -12000, 10000, "Mean elevation of the sea")
+        .real("range", &Params::range, "m", 0.5, 200, "How far above and below the sea level waves act")
+        .integer(
+            "steps", &Params::steps, "", 1, 12,
+            "How many times the sea acts on the shape that it has left: more etches beds and joints finer")
         .real("retreat", &Params::retreat, "m", 0.1, 100,
-              "about how deep one step cuts into the softest rock under full stress")
+              "About how deep one step cuts into the softest rock under full stress")
         .real("reach", &Params::reach, "m", 1, 100000,
-              "how far from the shoreline, on land and off it, faces feel the sea")
+              "How far from the shoreline, on land and off it, faces feel the sea")
         .real("weathering", &Params::weathering, "m", 0, 50,
-              "how deep the softest beds weather back on the rest of the faces, 0 for not at all")
-        .real("radius", &Params::radius, "m", 0.2, 100, "reach of one carving primitive of the first step")
+              "How deep the softest beds weather back on the rest of the faces; 0 for not at all")
+        .real("radius", &Params::radius, "m", 0.2, 100,
+              "Reach of one carving primitive of the first step; later steps use finer ones")
         .real("spacing", &Params::spacing, "m", 0.1, 50,
-              "least distance between primitives of the first step")
-        .real("beta", &Params::beta, "", 0, 1, "effect of full stress on the most resistant rock")
-        .real("threshold", &Params::threshold, "", 0, 1, "erosion effect below which nothing is carved")
+              "Least distance between primitives of the first step")
+        .real("beta", &Params::beta, "", 0, 1,
+              "Effect of full stress on the most resistant rock; less lets hard beds stand out")
+        .real("threshold", &Params::threshold, "", 0, 1, "Erosion effect below which nothing is carved")
         .real("accessibility", &Params::accessibility, "", 0, 1,
-              "how much sheltered places are spared, 0 for not at all")
+              "How much sheltered places are spared; 0 for not at all")
         .real("accessibility_radius", &Params::accessibility_radius, "m", 1, 200,
-              "size of open space before a place that counts as fully exposed")
+              "Size of the open space before a place that counts as fully exposed")
         .real("slope", &Params::slope, "deg", 0, 85,
-              "ground gentler than this is beach or platform and is kept")
-        .real("joints", &Params::joints, "", 0, 1, "how much vertical joints weaken the rock")
-        .real("joint_spacing", &Params::joint_spacing, "m", 1, 1000, "mean distance between joints")
-        .real("roughness", &Params::roughness, "", 0, 1, "unevenness of what is carved")
+              "Ground gentler than this is beach or platform and is kept")
+        .real("joints", &Params::joints, "", 0, 1,
+              "How much vertical joints weaken the rock: more makes clefts and aligned caves, 0 none")
+        .real("joint_spacing", &Params::joint_spacing, "m", 1, 1000, "Mean distance between joints")
+        .real("roughness", &Params::roughness, "", 0, 1, "Unevenness of what is carved; 0 for smooth notches")
         .real("cave_spacing", &Params::cave_spacing, "m", 0, 10000,
-              "least distance between sea caves along the coast, 0 for none")
+              "Least distance between sea caves along the coast; 0 for none")
         .real("cave_length", &Params::cave_length, "m", 1, 500,
-              "length of caves, and thickness up to which a headland is pierced to an arch")
-        .real("cave_radius", &Params::cave_radius, "m", 0.3, 50, "half the width of a cave's passage");
+              "Length of caves, and the thickness up to which a headland is pierced to an arch")
+        .real("cave_radius", &Params::cave_radius, "m", 0.3, 50, "Half the width of a cave's passage");
     return t;
   }();
   return params;
+}
+
+/// Each step has its own.
+Stream stream_of(Stream first, std::int64_t step) {
+  return static_cast<Stream>(static_cast<std::uint64_t>(first) + static_cast<std::uint64_t>(step));
 }
 
 /// Steps get finer: later ones etch beds and joints into what the first has cut.
@@ -91,17 +112,17 @@ class SeaCliff {
   SeaCliff(const Site& site, const Params& p, Progress& progress)
       : p_(p),
         ground_(site),
-        joints_(p.joint_spacing, std::max(1.2, 0.1 * p.joint_spacing), hash_combine(site.seed, 0x4a)),
+        joints_(p.joint_spacing, std::max(1.2, 0.1 * p.joint_spacing),
+                hash_combine(site.seed, Stream::joints)),
         sea_z_(p.sea_level - site.origin.z),
-        gentle_(std::cos(p.slope * 3.14159265358979323846 / 180)),
+        gentle_(std::cos(p.slope * std::numbers::pi / 180)),
         tree_(site.terrain),
         progress_(progress) {}
 
   Result run() {
     Result result;
     if (band().empty()) return report(std::move(result));
-    water_ = water_distance();
-    open_ = exposure();
+    shore_.emplace(ground_, p_, sea_z_, progress_);
     for (std::int64_t step = 0; step < p_.steps; ++step) add(notch(step), result);
     if (p_.cave_spacing > 0) add(caves(), result);
     if (p_.weathering > 0) add(weather(), result);
@@ -122,116 +143,43 @@ class SeaCliff {
     tree_ = field::combine("blend", {tree_, std::move(node)});
   }
 
-  /// Accessibility [Miller94], the best within a few metres: the foot of a straight cliff is no sheltered
-  /// nook.
-  raster::Raster exposure() {
-    const raster::Raster& heights = *ground_.site().heights;
-    raster::Raster open;
-    open.placement = heights.placement;
-    if (p_.accessibility <= 0) return open;
-    const int reach =
-        std::clamp(static_cast<int>(std::lround(0.25 * p_.accessibility_radius / ground_.pixel())), 0, 6);
-    const auto wanted = shore(reach + 2);
-    const auto grid = terrain::accessibility(heights, {p_.accessibility_radius, &wanted}, progress_);
-    open.values = raster::Grid<float>(grid.width(), grid.height());
-    parallel_blocks(grid.height(), 16, [&](std::int64_t begin, std::int64_t end) {
-      for (int row = static_cast<int>(begin); row < end; ++row)
-        for (int col = 0; col < grid.width(); ++col) {
-          float best = 0;
-          for (int r = std::max(0, row - reach); r <= std::min(grid.height() - 1, row + reach); ++r)
-            for (int c = std::max(0, col - reach); c <= std::min(grid.width() - 1, col + reach); ++c)
-              if (wanted.at(c, r)) best = std::max(best, grid.at(c, r));
-          open.values.at(col, row) = best;
-        }
-    });
-    return open;
-  }
-
-  /// Where the sea can act, and `more` pixels around it.
-  raster::Grid<std::uint8_t> shore(int more) const {
-    const raster::Grid<float>& heights = ground_.site().heights->values;
-    raster::Grid<std::uint8_t> out(heights.width(), heights.height(), 1);
-    if (water_.values.empty()) return out;
-    const auto limit = static_cast<float>(p_.reach + more * ground_.pixel());
-    for (std::size_t i = 0; i < out.size(); ++i)
-      out.values()[i] = std::abs(water_.values.values()[i]) <= limit;
-    return out;
-  }
-
-  /// Metres to open water: ground below the sea level, or none at all where there is no data. Empty when
-  /// there is no water, and then the sea acts on all there is in its range.
-  raster::Raster water_distance() const {
-    const raster::Raster& heights = *ground_.site().heights;
-    raster::Grid<std::uint8_t> land(heights.width(), heights.height(), 1);
-    bool any = false;
-    for (int row = 0; row < heights.height(); ++row)
-      for (int col = 0; col < heights.width(); ++col)
-        if (heights.values.at(col, row) < sea_z_ ||
-            (ground_.site().valid && !ground_.site().valid->at(col, row))) {
-          land.at(col, row) = 0;
-          any = true;
-        }
-    raster::Raster distance;
-    distance.placement = heights.placement;
-    if (any)
-      distance.values =
-          raster::signed_distance(land, distance.placement.dx, distance.placement.dy, progress_);
-    return distance;
-  }
-
-  static float nearest(const raster::Raster& raster, Vec3d p) {
-    const Vec2d at = raster.placement.pixel(p.x, p.y);
-    return raster.values.at(std::clamp(static_cast<int>(std::lround(at.x)), 0, raster.width() - 1),
-                            std::clamp(static_cast<int>(std::lround(at.y)), 0, raster.height() - 1));
-  }
-
-  double accessibility(Vec3d p) const {
-    return open_.values.empty() ? 1 : 1 - p_.accessibility * (1 - nearest(open_, p));
-  }
-
-  double nearness(Vec3d p) const {
-    return water_.values.empty() ? 1 : 1 - smoothstep(0.6 * p_.reach, p_.reach, std::abs(nearest(water_, p)));
-  }
-
   /// 1 on faces, 0 on ground gentler than the limit; ceilings give way less than walls, so that notches
   /// grow inward rather than upward.
   double steepness(Vec3f normal) const {
     const double nz = static_cast<double>(normal.z);
-    return smoothstep(0, 0.22, gentle_ - nz) * (nz < 0 ? 1 + 0.65 * nz : 1);
+    return smoothstep(0.0, 0.22, gentle_ - nz) * (nz < 0 ? 1 + 0.65 * nz : 1);
   }
 
   /// How much of the sea reaches a place, whatever its elevation; none on platforms.
-  double exposed(const SurfacePoint& at) const {
+  double exposure(const SurfaceSample& at) const {
     const double steep = steepness(at.normal);
-    return steep > 0 ? steep * nearness(at.position) * ground_.weight(at.position) : 0;
+    return steep > 0 ? steep * shore_->nearness(at.position) * ground_.weight(at.position) : 0;
   }
 
   /// sigma = w alpha [Paris19 §6.1], spared where the ground is a platform.
-  double stress(const SurfacePoint& at) const {
+  double stress(const SurfaceSample& at) const {
     const double u = (at.position.z - sea_z_) / p_.range;
     if (u * u >= 1) return 0;
-    const double open = exposed(at);
-    return open > 0 ? (1 - u * u) * accessibility(at.position) * open : 0;
+    const double open = exposure(at);
+    return open > 0 ? (1 - u * u) * shore_->accessibility(at.position) * open : 0;
   }
 
-  double resistance(Vec3d p) const { return jointed(ground_.resistance(p), p); }
-  double jointed(double rho, Vec3d p) const {
+  double resistance(Vec3d p) const { return weaken_by_joints(ground_.resistance(p), p); }
+  double weaken_by_joints(double rho, Vec3d p) const {
     return rho * (1 - p_.joints * joints_.weakness(p + ground_.site().origin));
   }
 
   /// Samples of the exposed faces in `box`, each with e(rho, stress).
   template <class Stress>
-  std::vector<Attack> attacked(const field::CompiledField& field, const Box3d& box, double spacing,
-                               double beta, std::uint64_t stream, Stress stress_at) {
+  std::vector<Attack> attacks_on(const field::CompiledField& field, const Box3d& box, double spacing,
+                                 double beta, Stream stream, Stress stress_at) {
     SurfaceSampling sampling;
     sampling.spacing = spacing;
     sampling.box = box;
     sampling.seed = hash_combine(ground_.site().seed, stream);
-    sampling.maybe = [this](Vec3d p, double around) {
-      return water_.values.empty() || std::abs(nearest(water_, p)) < p_.reach + around + 2 * ground_.pixel();
-    };
+    sampling.maybe = [this](Vec3d p, double around) { return shore_->may_reach(p, around); };
     // e is never above the stress, so what the threshold drops need not be sampled.
-    sampling.accept = [this, &stress_at](const SurfacePoint& at) {
+    sampling.accept = [this, &stress_at](const SurfaceSample& at) {
       const double stress = stress_at(at);
       return stress > 0 && stress >= p_.threshold && ground_.usable(at.position);
     };
@@ -243,17 +191,16 @@ class SeaCliff {
     std::vector<Attack> attacks(points.size());
     parallel_blocks(static_cast<std::int64_t>(points.size()), 256, [&](std::int64_t begin, std::int64_t end) {
       for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-        attacks[i] = {points[i], erosion_effect(jointed(static_cast<double>(rho[i]), places[i]),
+        attacks[i] = {points[i], erosion_effect(weaken_by_joints(static_cast<double>(rho[i]), places[i]),
                                                 stress_at(points[i]), beta)};
     });
     std::erase_if(attacks, [this](const Attack& a) { return a.effect < p_.threshold; });
     return attacks;
   }
 
-  std::vector<Attack> attacked_by_sea(const field::CompiledField& field, double spacing,
-                                      std::uint64_t stream) {
-    return attacked(field, band(), spacing, p_.beta, stream,
-                    [this](const SurfacePoint& at) { return stress(at); });
+  std::vector<Attack> sea_attacks(const field::CompiledField& field, double spacing, Stream stream) {
+    return attacks_on(field, band(), spacing, p_.beta, stream,
+                      [this](const SurfaceSample& at) { return stress(at); });
   }
 
   /// Energy of a primitive so that all together take `depth` off a face of effect 1. Dart throwing leaves
@@ -263,7 +210,7 @@ class SeaCliff {
   }
 
   /// Uneven rock: noise once a primitive costs nothing beside noise in every primitive's metric.
-  double uneven(Vec3d p, double size, std::uint64_t stream) const {
+  double uneven(Vec3d p, double size, Stream stream) const {
     const double t =
         fbm((p + ground_.site().origin) * (1 / size), 3, hash_combine(ground_.site().seed, stream));
     return std::max(0.0, 1 + 3 * p_.roughness * (2 * t - 1));
@@ -275,14 +222,15 @@ class SeaCliff {
     const double radius = 0.4 * p_.radius, spacing = 0.5 * radius;
     Box3d box = ground_.box();
     box.lo.z = std::max(box.lo.z, sea_z_ - 0.5 * p_.range);
-    const auto attacks =
-        attacked(field, box, spacing, 0, 0x3e, [this](const SurfacePoint& at) { return exposed(at); });
+    const auto attacks = attacks_on(field, box, spacing, 0, Stream::weathering,
+                                    [this](const SurfaceSample& at) { return exposure(at); });
     field::CloudBuilder cloud{field::CloudSettings{}};
     const double energy = share(p_.weathering, radius, spacing);
-    Random random(ground_.site().seed, 0x3f);
+    Random random(ground_.site().seed, Stream::weathering_sizes);
     for (const Attack& a : attacks) {
       const double r = radius * random.uniform(0.6, 1.4);
-      add_point(cloud, a.at.position, r, -energy * a.effect * uneven(a.at.position, 2 * radius, 0x3d));
+      add_point(cloud, a.at.position, r,
+                -energy * a.effect * uneven(a.at.position, 2 * radius, Stream::weathering_unevenness));
     }
     primitives_ += static_cast<std::int64_t>(cloud.size());
     return cloud.size() ? cloud.finish() : nullptr;
@@ -340,7 +288,7 @@ class SeaCliff {
           // The first probe may still lie in the air before a rough face.
           const auto air = std::find_if(values + 1, values + probes, [](float f) { return f <= 0; });
           if (air != values + probes)
-            factor[i] = smoothstep(0.9, 3, 3 * static_cast<double>(air - values) / probes);
+            factor[i] = smoothstep(0.9, 3.0, 3 * static_cast<double>(air - values) / probes);
         });
     return factor;
   }
@@ -353,12 +301,12 @@ class SeaCliff {
     const field::CompiledField field = field::compile(tree_);
     const double scale = scale_of_step(step);
     const double radius = p_.radius * scale, spacing = std::min(p_.spacing * scale, 0.75 * radius);
-    const auto attacks = attacked_by_sea(field, spacing, static_cast<std::uint64_t>(step));
+    const auto attacks = sea_attacks(field, spacing, stream_of(Stream::steps, step));
     const auto lift = lifts(field, attacks, radius);
     const auto sound = strength(field, attacks, p_.radius);
     const double energy = share(p_.retreat, radius, spacing);
     field::CloudBuilder cloud{field::CloudSettings{}};
-    Random random(ground_.site().seed, 0x100 + static_cast<std::uint64_t>(step));
+    Random random(ground_.site().seed, stream_of(Stream::step_sizes, step));
     for (std::size_t i = 0; i < attacks.size(); ++i) {
       const Attack& a = attacks[i];
       const double r = radius * random.uniform(0.7, 1.3);
@@ -367,7 +315,7 @@ class SeaCliff {
       const Vec3d center =
           a.at.position + Vec3d{0, 0, lift[i]} - horizontal(a.at.normal) * (0.5 * r * std::sqrt(effect));
       if (effect < p_.threshold || !ground_.usable(center)) continue;
-      add_point(cloud, center, r, -energy * effect * uneven(a.at.position, radius, 0x6e));
+      add_point(cloud, center, r, -energy * effect * uneven(a.at.position, radius, Stream::unevenness));
       strongest_ = std::max(strongest_, a.effect);
     }
     primitives_ += static_cast<std::int64_t>(cloud.size());
@@ -376,17 +324,13 @@ class SeaCliff {
 
   field::NodePtr caves() {
     const field::CompiledField field = field::compile(tree_);
-    auto attacks = attacked_by_sea(field, p_.spacing, 0x77);
+    auto attacks = sea_attacks(field, p_.spacing, Stream::cave_mouths);
     std::erase_if(attacks, [this](const Attack& a) {
       return std::abs(a.at.position.z - sea_z_) > 0.6 * p_.range || std::abs(a.at.normal.z) > 0.75f;
     });
-    CaveSettings settings;
+    CaveSettings settings = p_;
     settings.sea_z = sea_z_;
-    settings.spacing = p_.cave_spacing;
-    settings.length = p_.cave_length;
-    settings.radius = p_.cave_radius;
-    settings.joints = p_.joints;
-    settings.seed = hash_combine(ground_.site().seed, 0xca);
+    settings.seed = hash_combine(ground_.site().seed, Stream::caves);
     made_ = sea_caves(field, ground_, joints_, std::move(attacks), settings, progress_);
     if (made_.tubes.empty()) return nullptr;
     field::CloudBuilder cloud{field::CloudSettings{}};
@@ -425,17 +369,12 @@ class SeaCliff {
   }
 
   Result report(Result result) const {
-    result.report.emplace_back("primitives", primitives_);
-    result.report.emplace_back("strongest_effect", strongest_);
-    result.report.emplace_back("caves", static_cast<std::int64_t>(made_.mouths.size()));
-    std::vector<double> mouths;
-    for (Vec3d p : made_.mouths)
-      for (double v :
-           {p.x + ground_.site().origin.x, p.y + ground_.site().origin.y, p.z + ground_.site().origin.z})
-        mouths.push_back(v);
-    result.report.emplace_back("cave_positions", std::move(mouths));
-    result.report.emplace_back("arches", static_cast<std::int64_t>(made_.arches));
-    result.report.emplace_back("cave_passage_m", made_.length);
+    result.facts.count("primitives", primitives_)
+        .number("strongest_effect", strongest_)
+        .count("caves", std::ssize(made_.mouths))
+        .places("cave_positions", made_.mouths)
+        .count("arches", made_.arches)
+        .length("cave_passage", made_.length);
     return result;
   }
 
@@ -446,7 +385,7 @@ class SeaCliff {
   double gentle_;  ///< the normal's z above which ground is beach or platform
   field::NodePtr tree_;
   Progress& progress_;
-  raster::Raster open_, water_;
+  std::optional<impl::Shore> shore_;
   SeaCaves made_;
   std::int64_t primitives_ = 0;
   double strongest_ = 0;

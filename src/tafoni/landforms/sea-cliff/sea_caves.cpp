@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/site/spatial_hash.h"
@@ -9,9 +10,11 @@
 namespace tafoni::landforms::impl {
 namespace {
 
-constexpr double half_turn = 3.14159265358979323846;
+constexpr double half_turn = std::numbers::pi;
 
-Vec3d turned(Vec3d d, double angle) {
+enum class Stream : std::uint64_t { places = 0xcafe };
+
+Vec3d turn_by(Vec3d d, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   return {c * d.x - s * d.y, s * d.x + c * d.y, 0};
 }
@@ -30,12 +33,14 @@ class Walk {
     const Vec3d joint = joints.along(inward);
     // Along the joint unless it runs along the cliff.
     heading_ = dot(joint, inward) > 0.45 ? horizontal(joint + 0.3 * inward) : inward;
-    limit_ = s.length * (0.35 + 0.65 * random_.uniform()) * (0.4 + 0.6 * std::min(1.0, 1.6 * attack.effect));
-    mouth_ = s.radius * (0.8 + 0.7 * std::min(1.0, 1.6 * attack.effect)) * (0.85 + 0.3 * random_.uniform());
+    limit_ =
+        s.cave_length * (0.35 + 0.65 * random_.uniform()) * (0.4 + 0.6 * std::min(1.0, 1.6 * attack.effect));
+    mouth_ =
+        s.cave_radius * (0.8 + 0.7 * std::min(1.0, 1.6 * attack.effect)) * (0.85 + 0.3 * random_.uniform());
     at_ = attack.at.position;
     at_.z = std::max(at_.z, s.sea_z + 0.3 * mouth_);
     at_ += heading_ * (-0.8 * mouth_);
-    step_ = 0.7 * s.radius;
+    step_ = 0.7 * s.cave_radius;
   }
 
   /// Appends the tubes to `caves` unless nothing came of it.
@@ -71,9 +76,9 @@ class Walk {
   /// Distance to open air on the other side of a thin headland; 0 when the rock goes on.
   double through() {
     for (double turn : {0.0, 0.25, -0.25, 0.5, -0.5}) {
-      const Vec3d d = turned(heading_, turn);
+      const Vec3d d = turn_by(heading_, turn);
       bool rock = false;
-      for (double t = mouth_; t < 1.3 * s_.length; t += 0.5 * step_) {
+      for (double t = mouth_; t < 1.3 * s_.cave_length; t += 0.5 * step_) {
         const bool solid = field_.value(at_ + d * t) > 0;
         if (rock && !solid) {
           heading_ = d;
@@ -94,7 +99,7 @@ class Walk {
     Vec3d best = heading_;
     double least = 10;
     for (int i = -2; i <= 2; ++i) {
-      const Vec3d d = turned(heading_, 0.22 * i);
+      const Vec3d d = turn_by(heading_, 0.22 * i);
       const double rho = resistance(at_ + d * (2 * step_)) + 0.1 * random_.uniform() + 0.02 * std::abs(i);
       if (rho >= least) continue;
       least = rho;
@@ -140,11 +145,11 @@ SeaCaves sea_caves(const field::CompiledField& field, const Ground& ground, cons
   std::stable_sort(attacks.begin(), attacks.end(),
                    [](const Attack& a, const Attack& b) { return a.effect > b.effect; });
   SeaCaves caves;
-  SpatialHash taken(2 * settings.spacing, 64);
-  Random spread(settings.seed, 0xcafe);
+  SpatialHash taken(2 * settings.cave_spacing, 64);
+  Random spread(settings.seed, Stream::places);
   for (const Attack& attack : attacks) {
     progress.check();
-    const double apart = settings.spacing * spread.uniform(0.6, 1.0);
+    const double apart = settings.cave_spacing * spread.uniform(0.6, 1.0);
     if (taken.any_near(attack.at.position, apart)) continue;
     taken.insert(attack.at.position);
     Walk(field, ground, joints, settings, attack, taken.size()).run(caves);

@@ -13,16 +13,16 @@ namespace tafoni::landforms::impl {
 
 /// A place of the cliff and how strongly it is attacked there, e in [0, 1].
 struct Attack {
-  SurfacePoint at;
+  SurfaceSample at;
   double effect;
 };
 
 struct CaveSettings {
-  double sea_z = 0;     ///< local, metres
-  double spacing = 45;  ///< least distance between mouths, metres
-  double length = 25;   ///< of a cave where rock is weakest, metres
-  double radius = 2.5;  ///< of the open passage, metres
-  double joints = 0.6;  ///< share by which a joint weakens the rock
+  double cave_spacing = 45;  ///< least distance between mouths, metres
+  double cave_length = 25;   ///< of a cave where rock is weakest, metres
+  double cave_radius = 2.5;  ///< of the open passage, metres
+  double joints = 0.7;       ///< share by which a joint weakens the rock
+  double sea_z = 0;          ///< local, metres
   std::uint64_t seed = 0;
 };
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tafoni/landforms/rock/erosion.h"
+#include "tafoni/math/smoothstep.h"
 
 namespace tafoni::landforms::impl {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 /// From the distance inside a limit, negative outside.
 double rise(double inside, double fade) {
   if (!(inside >= 0)) return 0;
-  return fade > 0 ? smoothstep(0, fade, inside) : 1;
+  return fade > 0 ? smoothstep(0.0, fade, inside) : 1;
 }
 
 class BoxControl final : public Control {
@@ -84,7 +84,7 @@ int pixel(double at, int count) {
 
 class MaskControl final : public Control {
  public:
-  explicit MaskControl(const raster::Raster& mask) : values_(cleaned(mask), mask.placement) {}
+  explicit MaskControl(const raster::Raster& mask) : values_(clean(mask), mask.placement) {}
   double at(Vec3d p) const override { return std::clamp(values_.at(p), 0.0, 1.0); }
   Range over(const Box3d& box) const override {
     const Range range = values_.over(box);
@@ -92,7 +92,7 @@ class MaskControl final : public Control {
   }
 
  private:
-  static raster::Grid<float> cleaned(const raster::Raster& mask) {
+  static raster::Grid<float> clean(const raster::Raster& mask) {
     raster::Grid<float> out = mask.values;
     for (int row = 0; row < out.height(); ++row)
       for (int col = 0; col < out.width(); ++col) {

@@ -3,7 +3,9 @@
 
 #include <span>
 
+#include "tafoni/field/compiled.h"
 #include "tafoni/landforms/landform.h"
+#include "tafoni/landforms/site/region.h"
 
 namespace tafoni::landforms::impl {
 

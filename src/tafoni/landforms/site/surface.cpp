@@ -20,7 +20,7 @@ struct Candidate {
   std::uint64_t priority;
 };
 struct Sample {
-  SurfacePoint point;
+  SurfaceSample point;
   std::uint64_t priority;
 };
 
@@ -106,7 +106,7 @@ class ColumnSampler {
       f[corner] = samples_.at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2));
     Vec3d u{random.uniform(), random.uniform(), random.uniform()};
     const Vec3d slope = approach(f, u);
-    const SurfacePoint shown{lo + u * voxel_, to_float(normalized(slope) * -1.0)};
+    const SurfaceSample shown{lo + u * voxel_, to_float(normalized(slope) * -1.0)};
     if (settings_.accept && !settings_.accept(shown)) return;
     result_.push_back({shown.position, random.next()});
   }
@@ -140,8 +140,8 @@ class ColumnSampler {
 };
 
 /// Newton steps along the gradient; keeps what arrives near where it began and is accepted, in order.
-std::vector<Sample> projected(const field::CompiledField& field, const SurfaceSampling& settings,
-                              double voxel, std::span<const Candidate> candidates) {
+std::vector<Sample> project(const field::CompiledField& field, const SurfaceSampling& settings, double voxel,
+                            std::span<const Candidate> candidates) {
   std::vector<Vec3d> points;
   std::vector<std::uint32_t> which;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -150,7 +150,7 @@ std::vector<Sample> projected(const field::CompiledField& field, const SurfaceSa
   }
   std::vector<float> values;
   std::vector<Vec3f> gradients;
-  std::vector<std::pair<std::uint32_t, SurfacePoint>> arrived;
+  std::vector<std::pair<std::uint32_t, SurfaceSample>> arrived;
   for (int step = 0; !points.empty(); ++step) {
     values.resize(points.size());
     gradients.resize(points.size());
@@ -162,7 +162,7 @@ std::vector<Sample> projected(const field::CompiledField& field, const SurfaceSa
       if (std::abs(f) < 0.01 * settings.spacing * slope) {
         const Vec3d moved = points[i] - candidates[which[i]].position;
         if (dot(moved, moved) <= (stray - 1) * (stray - 1) * voxel * voxel)
-          arrived.emplace_back(which[i], SurfacePoint{points[i], to_float(g * (-1 / slope))});
+          arrived.emplace_back(which[i], SurfaceSample{points[i], to_float(g * (-1 / slope))});
         continue;
       }
       if (step == newton_steps || slope < 1e-6) continue;
@@ -198,7 +198,7 @@ class DartBoard {
         size_(size),
         kept_(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)) {}
 
-  std::vector<SurfacePoint> run(Progress& progress) {
+  std::vector<SurfaceSample> run(Progress& progress) {
     progress.begin("sampling the surface", kept_.size(), "tiles");
     for (int colour = 0; colour < 4; ++colour) {
       const int x0 = colour & 1, y0 = colour >> 1;
@@ -211,7 +211,7 @@ class DartBoard {
           progress);
     }
     progress.end();
-    return gathered();
+    return gather();
   }
 
  private:
@@ -236,7 +236,7 @@ class DartBoard {
       round.clear();
       for (const Candidate& c : all.subspan(begin, end - begin))
         if (!hash.any_near(c.position, nearly * settings_.spacing)) round.push_back(c);
-      for (const Sample& sample : projected(field_, settings_, voxel_, round)) {
+      for (const Sample& sample : project(field_, settings_, voxel_, round)) {
         if (hash.any_near(sample.point.position, settings_.spacing)) continue;
         hash.insert(sample.point.position);
         kept.push_back(sample);
@@ -260,7 +260,7 @@ class DartBoard {
   }
 
   /// By priority, so that every prefix is spread over the whole region.
-  std::vector<SurfacePoint> gathered() {
+  std::vector<SurfaceSample> gather() {
     std::vector<Sample> all;
     for (auto& part : kept_) {
       all.insert(all.end(), part.begin(), part.end());
@@ -268,7 +268,7 @@ class DartBoard {
     }
     std::stable_sort(all.begin(), all.end(),
                      [](const Sample& a, const Sample& b) { return a.priority < b.priority; });
-    std::vector<SurfacePoint> points;
+    std::vector<SurfaceSample> points;
     points.reserve(all.size());
     for (const Sample& c : all) points.push_back(c.point);
     return points;
@@ -286,8 +286,8 @@ class DartBoard {
 
 }  // namespace
 
-std::vector<SurfacePoint> sample_surface(const field::CompiledField& field, const SurfaceSampling& settings,
-                                         Progress& progress) {
+std::vector<SurfaceSample> sample_surface(const field::CompiledField& field, const SurfaceSampling& settings,
+                                          Progress& progress) {
   if (settings.box.empty()) return {};
   // With cells of half the spacing, a surface point is at most a cell's diagonal from the candidates of its
   // cell and these at most the spacing from a sample: together below twice the spacing.

@@ -11,7 +11,7 @@
 
 namespace tafoni::landforms {
 
-struct SurfacePoint {
+struct SurfaceSample {
   Vec3d position;  ///< local, on f = 0
   Vec3f normal;    ///< unit, out of the rock
 };
@@ -26,14 +26,14 @@ struct SurfaceSampling {
   std::function<bool(Vec3d center, double around)> maybe;
   /// Whether a place may hold a sample; null: all may. Asked of every candidate as a lattice of half the
   /// spacing shows the surface, and of samples again. Called from many threads.
-  std::function<bool(const SurfacePoint&)> accept;
+  std::function<bool(const SurfaceSample&)> accept;
 };
 
 /// Blue noise on f = 0 [Paris19 §6.1]: jittered candidates in every lattice cell that the
 /// surface cuts, projected along the gradient, thinned by dart throwing in an order that depends on the seed
 /// alone. Returned in random order, so that every prefix is spread over the whole too. Throws Error{usage}
 /// for a spacing so small that the box has more than 2^22 lattice columns of 64 x 64 cells.
-std::vector<SurfacePoint> sample_surface(const field::CompiledField& field, const SurfaceSampling& settings,
-                                         Progress& progress = silent());
+std::vector<SurfaceSample> sample_surface(const field::CompiledField& field, const SurfaceSampling& settings,
+                                          Progress& progress = silent());
 
 }  // namespace tafoni::landforms

@@ -8,6 +8,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/site/ground.h"
+#include "tafoni/landforms/site/region.h"
 #include "tafoni/landforms/site/spatial_hash.h"
 #include "tafoni/landforms/spires/towers.h"
 #include "tafoni/math/noise.h"

@@ -10,6 +10,7 @@
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/site/control.h"
 #include "tafoni/landforms/site/ground.h"
+#include "tafoni/landforms/site/region.h"
 #include "tafoni/math/angle.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"

@@ -7,9 +7,12 @@
 #include <memory>
 #include <stdexcept>
 #include <string_view>
+#include <type_traits>
 
 #include "tafoni/core/random.h"
+#include "tafoni/field/compiled.h"
 #include "tafoni/landforms/landform.h"
+#include "tafoni/landforms/site/region.h"
 
 namespace tafoni::landforms::test {
 
@@ -58,7 +61,7 @@ struct Coast {
 };
 
 inline field::CompiledField carved(const Site& site, const Result& result) {
-  return field::compile(applied(site.terrain, result));
+  return field::compile(apply_to(site.terrain, result));
 }
 
 /// Random places in a box.
@@ -79,7 +82,7 @@ inline std::vector<float> values(const field::CompiledField& field, const std::v
 
 template <class T>
 T fact(const Result& result, std::string_view name) {
-  if (const T* found = result.facts.find<T>(name)) return *found;
+  if (const T* told = result.facts.find<T>(name)) return *told;
   if constexpr (!std::is_same_v<T, Places>)
     for (const auto& [key, value] : result.report)
       if (key == name) return std::get<T>(value);

@@ -1,10 +1,13 @@
+// Fractal tunnels [Ju01 §3]: between ends that the user gives, or through hills from mouth to mouth; all are
+// carved into one volume.
+
 #include <cmath>
 
 #include "tafoni/core/random.h"
-#include "tafoni/landforms/hollows/burrows.h"
 #include "tafoni/landforms/hollows/hollow.h"
+#include "tafoni/landforms/hollows/tunnel_planner.h"
 #include "tafoni/landforms/landform.h"
-#include "tafoni/landforms/site/cells.h"
+#include "tafoni/landforms/site/table_rows.h"
 #include "tafoni/math/angle.h"
 
 namespace tafoni::landforms {
@@ -12,37 +15,35 @@ namespace {
 
 using impl::Ground;
 
-struct Params : impl::HollowParams {
+struct Params : impl::HollowParams, impl::TunnelParams {
   std::int64_t count = 3;
-  double radius = 2.5;
-  double swelling = 0.25;
-  double wander = 0.2;
-  double floor = 0.55;
   double slope = 27;
-  double cover = 3;
   Rows tunnel;
+  Params() { wander = 0.2; }
 };
 
 const ParamTable<Params>& table() {
   static const ParamTable<Params> params = [] {
     ParamTable<Params> t;
     t.integer("count", &Params::count, "", 0, 1000,
-              "most tunnels at random places, from hillside to hillside; none where tunnels are given")
-        .real("radius", &Params::radius, "m", 0.1, 200, "of a tunnel, on average")
-        .real("swelling", &Params::swelling, "", 0, 0.9, "most that the radius differs from it, as a share")
+              "Most tunnels at random places, from hillside to hillside; none where tunnels are given")
+        .real("radius", &Params::radius, "m", 0.1, 200, "Radius of a tunnel, on average")
+        .real("swelling", &Params::swelling, "", 0, 0.9,
+              "Most that the radius differs from its average, as a share of it; 0 for a tube of even width")
         .real("wander", &Params::wander, "", 0, 0.5,
-              "most that the middle of a stretch lies off its straight line, as a share of its length")
+              "Most that the middle of a stretch lies off its straight line, as a share of its length; 0 for "
+              "straight tunnels")
         .real("floor", &Params::floor, "", 0.1, 1,
-              "depth of the level floor below the axis, as a share of the radius; 1 for a round one")
-        .real("slope", &Params::slope, "deg", 1, 80, "of the steepest stretch, where the ends allow it")
-        .real("cover", &Params::cover, "m", 0, 1000, "least rock over the roof of those at random places");
+              "Depth of the level floor below the axis, as a share of the radius; 1 for a round tube")
+        .real("slope", &Params::slope, "deg", 1, 80, "Slope of the steepest stretch, where the ends allow it")
+        .real("cover", &Params::cover, "m", 0, 1000, "Least rock over the roof of tunnels at random places");
     impl::add_hollow_params(t);
     t.rows("tunnel", &Params::tunnel,
-           {numbers_column("from", "", "m", 3, -1e9, 1e9, "x, y and z of one end, world"),
-            numbers_column("to", "", "m", 3, -1e9, 1e9, "of the other"),
-            numbers_column("radius", "", "m", 1, 0.1, 200, "empty for the layer's"),
-            numbers_column("wander", "", "", 1, 0, 0.5, "empty for the layer's")},
-           "tunnels whose ends are given");
+           {numbers_column("from", "", "m", 3, -1e9, 1e9, "World x, y and z of one end"),
+            numbers_column("to", "", "m", 3, -1e9, 1e9, "World x, y and z of the other end"),
+            numbers_column("radius", "", "m", 1, 0.1, 200, "Radius; empty for the layer's"),
+            numbers_column("wander", "", "", 1, 0, 0.5, "Wander; empty for the layer's")},
+           "Tunnels whose ends are given");
     return t;
   }();
   return params;
@@ -77,15 +78,12 @@ void dig_given(const Ground& ground, const Params& p, impl::Hollow& hollow, Prog
 
 /// From one hillside to another, as far from the ends of the others as may be.
 void dig_random(const Ground& ground, const Params& p, impl::Hollow& hollow, Progress& progress) {
-  impl::BurrowSettings s;
-  s.area = ground.box();
-  s.radius = p.radius, s.swelling = p.swelling, s.wander = p.wander, s.floor = p.floor;
+  impl::TunnelPlannerSettings s{p, ground.box()};
   s.slope = std::tan(p.slope * degree);
-  s.cover = p.cover;
   s.lowest = ground.box().lo.z + p.radius;
   s.seed = ground.site().seed;
-  impl::Burrows burrows(ground, s, progress);
-  const auto& mouths = burrows.mouths();
+  impl::TunnelPlanner planner(ground, s, progress);
+  const auto& mouths = planner.mouths();
   std::vector<bool> taken(mouths.size());
   if (mouths.empty() && p.count > 0)
     progress.warn(fmt::format(
@@ -103,10 +101,10 @@ void dig_random(const Ground& ground, const Params& p, impl::Hollow& hollow, Pro
         continue;
       progress.check();
       ++tries;
-      auto way = burrows.way(burrows.end_of(mouths[i]), burrows.end_of(mouths[j]),
+      auto way = planner.way(planner.end_of(mouths[i]), planner.end_of(mouths[j]),
                              hash_combine(s.seed, i * mouths.size() + j));
       if (!way) continue;
-      burrows.keep_off(*way);
+      planner.keep_off(*way);
       hollow.add(std::move(*way));
       taken[i] = taken[j] = true;
       for (std::size_t k = 0; k < mouths.size(); ++k)
@@ -117,11 +115,11 @@ void dig_random(const Ground& ground, const Params& p, impl::Hollow& hollow, Pro
   // No hill to go through: into the slopes, then.
   for (std::size_t i = 0; i < mouths.size() && left > 0; ++i) {
     if (taken[i]) continue;
-    const impl::WayEnd from = burrows.end_of(mouths[i]);
+    const impl::WayEnd from = planner.end_of(mouths[i]);
     const impl::WayEnd to{from.floor + mouths[i].inward * (20 * p.radius), -mouths[i].inward, p.radius,
                           false};
-    if (auto way = burrows.way(from, to, hash_combine(s.seed, i))) {
-      burrows.keep_off(*way);
+    if (auto way = planner.way(from, to, hash_combine(s.seed, i))) {
+      planner.keep_off(*way);
       hollow.add(std::move(*way));
       --left;
       for (std::size_t k = 0; k < mouths.size(); ++k)
@@ -141,7 +139,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
     if (p.tunnel.empty()) dig_random(ground, p, hollow, progress);
   }
   Result result = hollow.finish(progress);
-  result.report.emplace_back("primitives", std::int64_t{0});
+  result.facts.count("primitives", 0);
   return result;
 }
 

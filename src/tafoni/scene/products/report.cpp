@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tafoni/mesh/metrics.h"
+#include "tafoni/scene/products/facts.h"
 #include "tafoni/scene/products/mesh_scene.h"
 
 namespace tafoni::scene {
@@ -29,6 +30,10 @@ Json layers_json(const BuiltScene& scene) {
     for (const auto& [name, value] : layer.made.report) {
       std::string key = name;
       std::replace(key.begin(), key.end(), ' ', '_');
+      entry[key] = to_json(value);
+    }
+    for (const landforms::Fact& fact : layer.made.facts) {
+      const auto [key, value] = report_entry(fact, scene.terrain.origin);
       entry[key] = to_json(value);
     }
     out.push_back(std::move(entry));

@@ -33,11 +33,11 @@ TEST(Arch, PiercesAFinAndLeavesTheRoofAndThePiers) {
     coast.site.seed = seed;
     const Result result = arch(coast.site, {{"count", std::int64_t{2}}, {"roof", 4.0}});
     ASSERT_GE(test::fact<std::int64_t>(result, "arches"), 1);
-    const auto at = test::fact<std::vector<double>>(result, "positions");
-    const auto heights = test::fact<std::vector<double>>(result, "opening_heights_m");
+    const auto at = test::fact<Places>(result, "positions").local;
+    const auto heights = test::fact<std::vector<double>>(result, "opening_heights");
     const auto before = field::compile(coast.site.terrain), after = test::carved(coast.site, result);
     for (std::size_t i = 0; i < heights.size(); ++i) {
-      const Vec3d c = Vec3d{at[3 * i], at[3 * i + 1], at[3 * i + 2]} - coast.site.origin;
+      const Vec3d c = at[i];
       EXPECT_GT(before.value({c.x, 0, c.z}), 0) << "there was rock";
       EXPECT_TRUE(open_along(after, {c.x, -12, c.z}, {c.x, 12, c.z}));
       // From the crown upwards at least the roof is left.
@@ -55,8 +55,8 @@ TEST(Arch, TakesTheWeakestRockAndOpensItWider) {
   const auto run = [](double soft) {
     Coast coast([=](Vec3d p) { return p.x < 0 ? soft : 0.9; }, fin);
     const Result result = arch(coast.site, {{"count", std::int64_t{1}}, {"roughness", 0.0}});
-    const auto at = test::fact<std::vector<double>>(result, "positions");
-    EXPECT_LT(at.at(0) - coast.site.origin.x, 2);
+    const auto at = test::fact<Places>(result, "positions").local;
+    EXPECT_LT(at.at(0).x, 2);
     const auto before = field::compile(coast.site.terrain), after = test::carved(coast.site, result);
     int gone = 0;
     for (const Vec3d p : test::places({{-58, -6, 0}, {0, 6, 31}}, 60000, 1))
@@ -86,8 +86,8 @@ TEST(Arch, BridgesTwoGivenPoints) {
   const Result result = arch(coast.site, {{"count", std::int64_t{0}}});
   ASSERT_EQ(test::fact<std::int64_t>(result, "bridges"), 1);
   const auto before = field::compile(coast.site.terrain), after = test::carved(coast.site, result);
-  const auto at = test::fact<std::vector<double>>(result, "positions");
-  const Vec3d crown = Vec3d{at[0], at[1], at[2]} - coast.site.origin;
+  const auto at = test::fact<Places>(result, "positions").local;
+  const Vec3d crown = at.at(0);
   EXPECT_LT(before.value(crown), 0);
   // Some rock over every place between the two, and a free way beneath the middle.
   for (double t = 0; t <= 1.0001; t += 0.05) {

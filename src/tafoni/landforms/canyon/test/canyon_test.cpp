@@ -118,12 +118,12 @@ double overhanging(const field::CompiledField& field) {
   SurfaceSampling sampling;
   sampling.spacing = 1.5;
   sampling.box = inner;
-  sampling.accept = [](const SurfacePoint& p) {
+  sampling.accept = [](const SurfaceSample& p) {
     return std::abs(p.position.x - middle(p.position.y)) < 20 && p.position.z < bed(p.position.y) + 20;
   };
   const auto points = sample_surface(field, sampling);
   const auto n =
-      std::count_if(points.begin(), points.end(), [](const SurfacePoint& p) { return p.normal.z < 0; });
+      std::count_if(points.begin(), points.end(), [](const SurfaceSample& p) { return p.normal.z < 0; });
   return static_cast<double>(n) / static_cast<double>(points.size());
 }
 
@@ -143,7 +143,7 @@ TEST(Canyon, WithoutARiverThereIsNothing) {
     SCOPED_TRACE(dry(10, 1));
     const Result result = Valley(hard, dry).run();
     EXPECT_TRUE(result.nodes.empty());
-    EXPECT_EQ(test::fact<double>(result, "river_bed_m2"), 0);
+    EXPECT_EQ(test::fact<double>(result, "river_bed"), 0);
   }
 }
 
@@ -152,7 +152,7 @@ TEST(Canyon, ASlotIsDeepNarrowAndLeansOver) {
   const double depth = 16, width = 3;
   const Values values{{"slot_depth", depth}, {"slot_width", width}, {"retreat", 0.01}, {"winding", 1.0}};
   const Result result = valley.run(values);
-  EXPECT_GT(test::fact<double>(result, "slot_length_m"), 100);
+  EXPECT_GT(test::fact<double>(result, "slot_length"), 100);
   const auto after = test::carved(valley.site, result);
   int open = 0, sections = 0, wide = 0, below = 0, leaning = 0;
   for (double y = -60; y < 30; y += 1.5, ++sections) {

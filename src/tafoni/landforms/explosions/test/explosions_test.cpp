@@ -1,6 +1,7 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/landforms/test/site.h"
 
 namespace tafoni::landforms::test {
@@ -53,10 +54,9 @@ TEST(Explosions, RandomOnesLieOnTheSurface) {
   const Result result = blown(coast.site, {{"count", std::int64_t{6}}, {"depth", 0.0}, {"radius", 3.0}});
   EXPECT_EQ(fact<std::int64_t>(result, "explosions"), 6);
   const auto before = field::compile(coast.site.terrain), after = carved(coast.site, result);
-  const auto positions = fact<std::vector<double>>(result, "positions");
-  ASSERT_EQ(positions.size(), 18u);
-  for (std::size_t i = 0; i < positions.size(); i += 3) {
-    const Vec3d p = Vec3d{positions[i], positions[i + 1], positions[i + 2]} - coast.site.origin;
+  const auto positions = fact<Places>(result, "positions").local;
+  ASSERT_EQ(positions.size(), 6u);
+  for (const Vec3d& p : positions) {
     EXPECT_NEAR(before.value(p), 0, 0.05);
     EXPECT_LT(after.value(p), -1);
   }
@@ -64,9 +64,14 @@ TEST(Explosions, RandomOnesLieOnTheSurface) {
 
 TEST(Explosions, RefuseWhatIsWrong) {
   const Coast coast = meadow();
-  for (const char* at : {"", "1 2", "1 2 3 4", "here"})
-    EXPECT_THROW(blown(coast.site, {{"blast", Rows{{{"at", at}}}}}), Error) << at;
-  EXPECT_THROW(blown(coast.site, {{"blast", Rows{{{"at", "1 2 3"}, {"radius", "0"}}}}}), Error);
+  const auto refused = [&](const Row& row) {
+    return error_of([&] { blown(coast.site, {{"blast", Rows{row}}}); });
+  };
+  for (const char* at : {"1 2", "1 2 3 4", "here"})
+    EXPECT_THAT(refused({{"at", at}}), testing::HasSubstr("blast, row 1: at must be")) << at;
+  EXPECT_THAT(refused({{"at", ""}}), testing::HasSubstr("blast, row 1: it needs at, three numbers x y z"));
+  EXPECT_THAT(refused({{"at", "1 2 3"}, {"radius", "0"}}),
+              testing::HasSubstr("radius = 0 is outside 0.1 to 500 m"));
 }
 
 }  // namespace

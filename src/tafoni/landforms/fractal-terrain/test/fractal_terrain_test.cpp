@@ -1,7 +1,8 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/landforms/test/flood.h"
 #include "tafoni/landforms/test/site.h"
 
@@ -112,8 +113,11 @@ TEST(FractalTerrain, PinsRaiseMountainsAndOpenHollows) {
   const auto field = carved(coast.site, grown(coast.site, {{"noise", 0.2}, {"pin", Rows{hill, hollow}}}));
   EXPECT_GT(field.value({20, 10, 15}), 0);
   EXPECT_LT(field.value({-30, -10, -10}), 0);
-  EXPECT_THROW(grown(coast.site, {{"pin", Rows{{{"x", "here"}, {"y", "0"}}}}}), Error);
-  EXPECT_THROW(grown(coast.site, {{"pin", Rows{{{"y", "0"}}}}}), Error);
+  const auto refused = [&](const Row& row) {
+    return error_of([&] { grown(coast.site, {{"pin", Rows{row}}}); });
+  };
+  EXPECT_THAT(refused({{"x", "here"}, {"y", "0"}}), testing::HasSubstr("pin, row 1: x must be"));
+  EXPECT_THAT(refused({{"y", "0"}}), testing::HasSubstr("pin, row 1: it needs a number for x"));
 }
 
 TEST(FractalTerrain, SameSeedSameBitsOnAnyThreads) {

@@ -74,7 +74,7 @@ TEST(Islands, CavesOpenOnThem) {
   const Result made = islands(coast.site, {{"count", std::int64_t{0}}, {"size", 70.0}, {"variation", 0.0}});
   Site site = coast.site;
   site.points.clear();
-  site.terrain = applied(coast.site.terrain, made);
+  site.terrain = apply_to(coast.site.terrain, made);
   Region region;
   region.limit_altitude(15, 200);
   site.region = &region;

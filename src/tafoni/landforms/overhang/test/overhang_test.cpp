@@ -20,7 +20,7 @@ double undercut(const field::CompiledField& field) {
   sampling.box = {{-50, -15, -10}, {50, 15, 45}};
   const auto points = sample_surface(field, sampling);
   std::size_t down = 0;
-  for (const SurfacePoint& p : points) down += p.normal.z < -0.05f;
+  for (const SurfaceSample& p : points) down += p.normal.z < -0.05f;
   return static_cast<double>(down) / static_cast<double>(points.size());
 }
 

@@ -2,10 +2,11 @@
 
 #include <cmath>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/landforms/test/site.h"
 
 namespace tafoni::landforms {
@@ -50,9 +51,9 @@ TEST(Surface, SamplesAreOnTheSurfaceApartAndLeaveNoHole) {
   EXPECT_GT(face, 100);
   EXPECT_GT(floor, 100);
   const auto dense = sample_surface(field, settings(0.5, 2));
-  for (const SurfacePoint& d : dense) {
+  for (const SurfaceSample& d : dense) {
     double nearest = 1e9;
-    for (const SurfacePoint& s : samples) nearest = std::min(nearest, length(d.position - s.position));
+    for (const SurfaceSample& s : samples) nearest = std::min(nearest, length(d.position - s.position));
     ASSERT_LT(nearest, 2 * spacing) << d.position.x << ' ' << d.position.y << ' ' << d.position.z;
   }
 }
@@ -70,10 +71,10 @@ TEST(Surface, IsTheSameWithAnyNumberOfThreads) {
 
 TEST(Surface, TakesOnlyWhatIsAccepted) {
   auto s = settings(1, 3);
-  s.accept = [](const SurfacePoint& at) { return at.normal.z < 0; };
+  s.accept = [](const SurfaceSample& at) { return at.normal.z < 0; };
   const auto samples = sample_surface(cave(), s);
   ASSERT_FALSE(samples.empty());
-  for (const SurfacePoint& at : samples) EXPECT_LT(at.normal.z, 0);
+  for (const SurfaceSample& at : samples) EXPECT_LT(at.normal.z, 0);
   s.box = {};
   EXPECT_TRUE(sample_surface(cave(), s).empty());
 }
@@ -81,7 +82,8 @@ TEST(Surface, TakesOnlyWhatIsAccepted) {
 TEST(Surface, RefusesASpacingThatNoMachineHolds) {
   auto s = settings(1e-4, 1);
   s.box = {{-1000, -1000, 0}, {1000, 1000, 1}};
-  EXPECT_THROW(sample_surface(cave(), s), Error);
+  EXPECT_THAT(error_of([&] { sample_surface(cave(), s); }),
+              testing::HasSubstr("a spacing of 0.0001 m is too small for a region of 2000 by 2000 m"));
 }
 
 }  // namespace

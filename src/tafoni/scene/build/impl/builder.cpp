@@ -45,7 +45,7 @@ Below below_layers(const Keyed<Ground>& ground, const Keyed<geology::GeologyPtr>
 
 Below below_next(const Keyed<Below>& below, const Keyed<landforms::Result>& made) {
   Below out = below.value;
-  out.open = landforms::applied(out.open, made.value);
+  out.open = landforms::apply_to(out.open, made.value);
   return out;
 }
 

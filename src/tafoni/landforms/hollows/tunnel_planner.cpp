@@ -1,4 +1,4 @@
-#include "tafoni/landforms/hollows/burrows.h"
+#include "tafoni/landforms/hollows/tunnel_planner.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ void smooth(std::vector<volume::AxisPoint>& axis) {
 
 }  // namespace
 
-Burrows::Burrows(const Ground& ground, const BurrowSettings& settings, Progress& progress)
+TunnelPlanner::TunnelPlanner(const Ground& ground, const TunnelPlannerSettings& settings, Progress& progress)
     : ground_(ground), s_(settings), field_(field::compile(ground.site().terrain)) {
   look_for_roofs();
   progress.check();
@@ -39,7 +39,7 @@ Burrows::Burrows(const Ground& ground, const BurrowSettings& settings, Progress&
 }
 
 /// Up from the depth, column by column, to the first air.
-void Burrows::look_for_roofs() {
+void TunnelPlanner::look_for_roofs() {
   const Vec3d extent = s_.area.size();
   const double step = std::max(0.8 * s_.radius, std::max(extent.x, extent.y) / 300);
   const int nx = static_cast<int>(extent.x / step) + 2, ny = static_cast<int>(extent.y / step) + 2;
@@ -64,7 +64,7 @@ void Burrows::look_for_roofs() {
   });
 }
 
-double Burrows::roof(double x, double y, double around) const {
+double TunnelPlanner::roof(double x, double y, double around) const {
   const raster::Placement& at = roofs_.placement;
   const Vec2d lo = at.pixel(x - around, y + around), hi = at.pixel(x + around, y - around);
   const int c0 = static_cast<int>(std::floor(lo.x)), c1 = static_cast<int>(std::ceil(hi.x));
@@ -76,18 +76,18 @@ double Burrows::roof(double x, double y, double around) const {
   return static_cast<double>(least);
 }
 
-void Burrows::look_for_mouths(Progress& progress) {
+void TunnelPlanner::look_for_mouths(Progress& progress) {
   SurfaceSampling sampling;
   const Vec3d extent = s_.area.size();
   sampling.spacing = std::max(2 * s_.radius, std::max(extent.x, extent.y) / 60);
   sampling.box = s_.area;
   sampling.box.lo.z = std::max(sampling.box.lo.z, s_.lowest);
   sampling.seed = hash_combine(s_.seed, 1);
-  sampling.accept = [&](const SurfacePoint& at) {
+  sampling.accept = [&](const SurfaceSample& at) {
     return at.normal.z > 0.15f && at.normal.z < 0.94f && ground_.usable(at.position, 4 * s_.radius);
   };
   std::vector<Mouth> found;
-  for (const SurfacePoint& at : sample_surface(field_, sampling, progress)) {
+  for (const SurfaceSample& at : sample_surface(field_, sampling, progress)) {
     const Vec3d out =
         normalized(Vec3d{static_cast<double>(at.normal.x), static_cast<double>(at.normal.y), 0});
     const Mouth mouth{at.position, -out, std::acos(static_cast<double>(at.normal.z))};
@@ -102,7 +102,7 @@ void Burrows::look_for_mouths(Progress& progress) {
 }
 
 /// Free in front, where one comes from; a roof not far inside.
-bool Burrows::good(const Mouth& m) const {
+bool TunnelPlanner::good(const Mouth& m) const {
   const double r = s_.radius;
   const Vec3d axis = m.ground + Vec3d{0, 0, s_.floor * r};
   std::vector<Vec3d> air, rock;
@@ -120,13 +120,13 @@ bool Burrows::good(const Mouth& m) const {
          ground_.usable(m.ground + m.inward * (8 * r)) && m.ground.z > s_.lowest + r;
 }
 
-WayEnd Burrows::end_of(const Mouth& m) const {
+WayEnd TunnelPlanner::end_of(const Mouth& m) const {
   return {m.ground - m.inward * (0.7 * s_.radius), m.inward, 5 * s_.radius, true};
 }
 
-std::optional<volume::Tunnel> Burrows::attempt(const WayEnd& from, const WayEnd& to, std::uint64_t seed,
-                                               double lengthen,
-                                               const std::function<bool(Vec3d)>& avoid) const {
+std::optional<volume::Tunnel> TunnelPlanner::attempt(const WayEnd& from, const WayEnd& to, std::uint64_t seed,
+                                                     double lengthen,
+                                                     const std::function<bool(Vec3d)>& avoid) const {
   const double r = s_.radius;
   const Vec3d up{0, 0, s_.floor * r};
   const Vec3d a = from.floor + up, b = to.floor + up;
@@ -175,11 +175,11 @@ std::optional<volume::Tunnel> Burrows::attempt(const WayEnd& from, const WayEnd&
   return made;
 }
 
-void Burrows::keep_off(const volume::Tunnel& dug) {
+void TunnelPlanner::keep_off(const volume::Tunnel& dug) {
   dug_.insert(dug_.end(), dug.axis.begin(), dug.axis.end());
 }
 
-bool Burrows::crosses(const volume::Tunnel& way, const WayEnd& from, const WayEnd& to) const {
+bool TunnelPlanner::crosses(const volume::Tunnel& way, const WayEnd& from, const WayEnd& to) const {
   const auto at_end = [&](Vec3d p) {
     for (const WayEnd* end : {&from, &to})
       if (std::hypot(p.x - end->floor.x, p.y - end->floor.y) < end->straight) return true;
@@ -207,8 +207,8 @@ bool Burrows::crosses(const volume::Tunnel& way, const WayEnd& from, const WayEn
   return false;
 }
 
-std::optional<volume::Tunnel> Burrows::way(const WayEnd& from, const WayEnd& to, std::uint64_t seed,
-                                           const std::function<bool(Vec3d)>& avoid) const {
+std::optional<volume::Tunnel> TunnelPlanner::way(const WayEnd& from, const WayEnd& to, std::uint64_t seed,
+                                                 const std::function<bool(Vec3d)>& avoid) const {
   const Vec3d d = to.floor + to.ahead * to.straight - from.floor - from.ahead * from.straight;
   const double flat = std::hypot(d.x, d.y);
   if (flat < 3 * s_.radius) return {};

@@ -1,4 +1,4 @@
-#include "tafoni/landforms/site/cells.h"
+#include "tafoni/landforms/site/table_rows.h"
 
 #include "tafoni/core/error.h"
 

@@ -1,4 +1,4 @@
-#include "tafoni/landforms/rock/replaced.h"
+#include "tafoni/landforms/rock/replacement.h"
 
 #include <algorithm>
 #include <vector>
@@ -6,9 +6,9 @@
 namespace tafoni::landforms::impl {
 namespace {
 
-class Replaced final : public field::Function {
+class Replacement final : public field::Function {
  public:
-  Replaced(field::FunctionPtr old, field::FunctionPtr now, field::FunctionPtr control)
+  Replacement(field::FunctionPtr old, field::FunctionPtr now, field::FunctionPtr control)
       : old_(std::move(old)), now_(std::move(now)), control_(std::move(control)) {}
 
   void values(std::span<const Vec3d> points, std::span<float> out) const override {
@@ -46,8 +46,9 @@ class Replaced final : public field::Function {
 
 }  // namespace
 
-field::FunctionPtr replaced(field::FunctionPtr old, field::FunctionPtr now, field::FunctionPtr control) {
-  return std::make_shared<Replaced>(std::move(old), std::move(now), std::move(control));
+field::FunctionPtr replace_within(field::FunctionPtr old, field::FunctionPtr now,
+                                  field::FunctionPtr control) {
+  return std::make_shared<Replacement>(std::move(old), std::move(now), std::move(control));
 }
 
 }  // namespace tafoni::landforms::impl

@@ -11,13 +11,19 @@
 
 namespace tafoni::landforms::impl {
 
-struct BurrowSettings {
-  Box3d area;           ///< local; x and y of where to dig
-  double radius = 2.5;  ///< metres
-  double swelling = 0.25, wander = 0.22;
-  double floor = 0.55;   ///< radii below the axis
+/// What landforms let users choose of tunnels.
+struct TunnelParams {
+  double radius = 2.5;     ///< metres, on average
+  double swelling = 0.25;  ///< most that the radius differs from it, as a share
+  double wander =
+      0.22;             ///< most that a stretch's middle lies off its straight line, as a share of its length
+  double floor = 0.55;  ///< radii below the axis
+  double cover = 3;     ///< metres of rock over a roof
+};
+
+struct TunnelPlannerSettings : TunnelParams {
+  Box3d area;            ///< local; x and y of where to dig
   double slope = 0.5;    ///< tangent of the steepest way
-  double cover = 3;      ///< metres of rock over a roof
   double lowest = -1e9;  ///< local z under which nothing is dug
   std::uint64_t seed = 0;
 };
@@ -37,9 +43,9 @@ struct WayEnd {
   bool open = false;    ///< under no roof
 };
 
-class Burrows {
+class TunnelPlanner {
  public:
-  Burrows(const Ground& ground, const BurrowSettings& settings, Progress& progress);
+  TunnelPlanner(const Ground& ground, const TunnelPlannerSettings& settings, Progress& progress);
 
   /// In random order, the best hillsides first, no two nearer than `apart`.
   const std::vector<Mouth>& mouths() const { return mouths_; }
@@ -62,7 +68,7 @@ class Burrows {
                                         double lengthen, const std::function<bool(Vec3d)>& avoid) const;
 
   const Ground& ground_;
-  BurrowSettings s_;
+  TunnelPlannerSettings s_;
   field::CompiledField field_;
   raster::Raster roofs_;
   std::vector<Mouth> mouths_;

@@ -9,7 +9,7 @@
 namespace tafoni::landforms::impl {
 
 /// A bound on the slope, rise over run, of the smooth surface through the pixels along x and along y.
-inline double steepest(const raster::Raster& heights) {
+inline double steepest_slope(const raster::Raster& heights) {
   double most = 0;
   for (int row = 0; row < heights.height(); ++row)
     for (int col = 0; col < heights.width(); ++col) {
