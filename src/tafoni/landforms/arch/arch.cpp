@@ -154,7 +154,7 @@ class Arches {
     std::vector<float> rho(places.size());
     ground_.resistances(places, rho);
     double sum = 0;
-    for (float r : rho) sum += static_cast<double>(r);
+    for (float r : rho) sum += r;
     return sum / static_cast<double>(rho.size());
   }
 
@@ -309,7 +309,7 @@ class Arches {
     best_first(found);
     for (auto& [merit, w] : found) {
       progress_.check();
-      if (static_cast<std::int64_t>(windows_.size()) >= p_.count) return;
+      if (std::ssize(windows_) >= p_.count) return;
       if (taken_->any_near(w.center, 2 * size_) || !inside(w)) continue;
       for (int attempt = 0; attempt < 3; ++attempt, w.half_width *= 0.8, w.half_height *= 0.85) {
         const auto shape = impl::window_shape(w, texture(-1));

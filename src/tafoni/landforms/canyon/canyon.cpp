@@ -138,7 +138,7 @@ class CanyonWalls {
     const double above = (at.position.z - bank.bed) / p_.height;
     if (above >= 1) return 0;
     const double low = above > 0 ? (1 - above * above) * (1 - 0.5 * above) : 1;
-    const double nz = static_cast<double>(at.normal.z);
+    const double nz = at.normal.z;
     const double wall = smoothstep(0.0, 0.35, 0.92 - nz) * (nz < 0 ? 1 + 0.7 * nz : 1);
     const double flood = std::min(1.0, 1.15 * std::sqrt(bank.stress)) * low;
     // The effect is never above the stress, so that what cannot reach the cutoff need not be looked at
@@ -208,8 +208,8 @@ class CanyonWalls {
     const auto rho = resistances(points), uneven = unevenness(points);
     std::vector<Attack> attacks;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const double e = erosion_effect(static_cast<double>(rho[i]), stress(points[i]), p_.beta);
-      if (e >= p_.cutoff && uneven[i] > 0) attacks.push_back({points[i], e * static_cast<double>(uneven[i])});
+      const double e = erosion_effect(rho[i], stress(points[i]), p_.beta);
+      if (e >= p_.cutoff && uneven[i] > 0) attacks.push_back({points[i], e * uneven[i]});
     }
     return attacks;
   }
@@ -255,7 +255,7 @@ class CanyonWalls {
     for (std::size_t i = 0; i < all.size(); ++i)
       add_point(cloud, all[i].center, all[i].radius,
                 -energy(all[i], rock[2 * i], rock[2 * i + 1]) / together);
-    primitives_ += static_cast<std::int64_t>(cloud.size());
+    primitives_ += cloud.size();
     return cloud.size() > 0 ? cloud.finish() : nullptr;
   }
 
@@ -268,9 +268,9 @@ class CanyonWalls {
     field::CloudBuilder cloud{field::CloudSettings{}};
     impl::SlotSettings settings{p_.slot_depth, p_.slot_width, p_.winding, p_.beta,
                                 hash_combine(ground_.site().seed, Stream::slots)};
-    for (const Streams::Course& course : streams_->courses(static_cast<std::size_t>(p_.slots)))
+    for (const Streams::Course& course : streams_->courses(p_.slots))
       slot_length_ += carve_slot(cloud, ground_, course, settings);
-    primitives_ += static_cast<std::int64_t>(cloud.size());
+    primitives_ += cloud.size();
     return cloud.size() > 0 ? cloud.finish() : nullptr;
   }
 

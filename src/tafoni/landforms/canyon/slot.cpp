@@ -22,16 +22,14 @@ std::vector<Vec3d> smoothed(const std::vector<Vec3d>& line, double step, double 
     for (; left < span; left += step) even.push_back(line[i] + d * (left / span));
     left -= span;
   }
-  const auto n = static_cast<std::ptrdiff_t>(even.size());
+  const auto n = std::ssize(even);
   const auto reach = std::max<std::ptrdiff_t>(1, std::lround(over / step));
   for (int pass = 0; pass < 2; ++pass) {
     std::vector<Vec3d> sums(even.size() + 1);
     for (std::size_t i = 0; i < even.size(); ++i) sums[i + 1] = sums[i] + even[i];
     for (std::ptrdiff_t i = 0; i < n; ++i) {
       const std::ptrdiff_t k = std::min({reach, i, n - 1 - i});
-      even[static_cast<std::size_t>(i)] =
-          (sums[static_cast<std::size_t>(i + k + 1)] - sums[static_cast<std::size_t>(i - k)]) *
-          (1.0 / static_cast<double>(2 * k + 1));
+      even[i] = (sums[i + k + 1] - sums[i - k]) * (1.0 / static_cast<double>(2 * k + 1));
     }
   }
   for (std::size_t i = 1; i < even.size(); ++i) even[i].z = std::max(even[i].z, even[i - 1].z);
@@ -47,7 +45,7 @@ class Slot {
     const auto line = smoothed(course.line, step_, std::max(2 * s_.width, 3 * ground_.pixel()));
     if (static_cast<double>(line.size()) * step_ < 4 * s_.width) return 0;
     std::vector<std::vector<Point>> made(line.size());
-    parallel_blocks(static_cast<std::int64_t>(line.size()), 8, [&](std::int64_t begin, std::int64_t end) {
+    parallel_blocks(std::ssize(line), 8, [&](std::int64_t begin, std::int64_t end) {
       for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
         made[i] = section(line, i);
     });

@@ -21,13 +21,12 @@ void blur(raster::Grid<std::array<float, n>>& grid, int radius) {
   using Cell = std::array<float, n>;
   const float scale = 1 / static_cast<float>(2 * radius + 1);
   const auto line = [&](Cell* data, int count, std::ptrdiff_t stride, std::vector<Cell>& copy) {
-    for (int i = 0; i < count; ++i) copy[static_cast<std::size_t>(i)] = data[i * stride];
+    for (int i = 0; i < count; ++i) copy[i] = data[i * stride];
     // In double: what is added and taken off again must leave exactly nothing behind.
     std::array<double, n> sum{};
     const auto add = [&](int i, double sign) {
       if (i < 0 || i >= count) return;
-      for (std::size_t k = 0; k < n; ++k)
-        sum[k] += sign * static_cast<double>(copy[static_cast<std::size_t>(i)][k]);
+      for (std::size_t k = 0; k < n; ++k) sum[k] += sign * static_cast<double>(copy[i][k]);
     };
     for (int i = 0; i < radius; ++i) add(i, 1);
     for (int i = 0; i < count; ++i) {
@@ -37,11 +36,11 @@ void blur(raster::Grid<std::array<float, n>>& grid, int radius) {
     }
   };
   parallel_blocks(grid.height(), 16, [&](std::int64_t begin, std::int64_t end) {
-    std::vector<Cell> copy(static_cast<std::size_t>(grid.width()));
+    std::vector<Cell> copy(grid.width());
     for (auto row = static_cast<int>(begin); row < end; ++row) line(grid.row(row), grid.width(), 1, copy);
   });
   parallel_blocks(grid.width(), 16, [&](std::int64_t begin, std::int64_t end) {
-    std::vector<Cell> copy(static_cast<std::size_t>(grid.height()));
+    std::vector<Cell> copy(grid.height());
     for (auto col = static_cast<int>(begin); col < end; ++col)
       line(grid.data() + col, grid.height(), grid.width(), copy);
   });
@@ -174,7 +173,7 @@ Streams::Bank Streams::at(Vec3d p) const {
   const Vec2d at = filled_.placement.pixel(p.x, p.y);
   const Reach& r = reach_.at(static_cast<int>(std::clamp(at.x + 0.5, 0.0, reach_.width() - 1.0)),
                              static_cast<int>(std::clamp(at.y + 0.5, 0.0, reach_.height() - 1.0)));
-  return {static_cast<double>(r.stress), static_cast<double>(r.bed), {r.flow_x, r.flow_y}};
+  return {r.stress, r.bed, {r.flow_x, r.flow_y}};
 }
 
 bool Streams::near(Vec3d p, double around, double height) const {
@@ -215,20 +214,19 @@ Streams::Course Streams::trace(std::ptrdiff_t mouth, std::vector<bool>& taken) c
   for (std::ptrdiff_t cell = mouth; cell >= 0;) {
     const int col = static_cast<int>(cell % width), row = static_cast<int>(cell / width);
     const Vec2d at = filled_.placement.center(col, row);
-    course.line.push_back({at.x, at.y, static_cast<double>(filled_.values.data()[cell])});
-    course.stress.push_back(static_cast<double>(stress_.data()[cell]));
+    course.line.push_back({at.x, at.y, filled_.values.data()[cell]});
+    course.stress.push_back(stress_.data()[cell]);
     std::ptrdiff_t next = -1;
     for (int dr = -1; dr <= 1; ++dr)
       for (int dc = -1; dc <= 1; ++dc) {
         if (!filled_.values.inside(col + dc, row + dr)) continue;
         const auto other = static_cast<std::ptrdiff_t>(filled_.values.index(col + dc, row + dr));
-        if (other == cell || taken[static_cast<std::size_t>(other)] ||
-            !(filled_.values.data()[other] > filled_.values.data()[cell]) ||
+        if (other == cell || taken[other] || !(filled_.values.data()[other] > filled_.values.data()[cell]) ||
             !(area_.data()[other] >= static_cast<float>(settings_.catchment)))
           continue;
         if (next < 0 || area_.data()[other] > area_.data()[next]) next = other;
       }
-    taken[static_cast<std::size_t>(cell)] = true;
+    taken[cell] = true;
     cell = next;
   }
   // The rest of a broad bed is no course of its own.
@@ -252,19 +250,17 @@ std::vector<Streams::Course> Streams::courses(std::size_t count) const {
   for (std::size_t tries = 0; out.size() < count && tries < 4 * count + 16; ++tries) {
     // Where the most water leaves the river bed's cells for the map's rim or for a course already there.
     std::ptrdiff_t mouth = -1;
-    for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(area_.size()); ++i) {
-      if (taken[static_cast<std::size_t>(i)] || !(stress_.data()[i] > 0)) continue;
+    for (std::ptrdiff_t i = 0; i < std::ssize(area_); ++i) {
+      if (taken[i] || !(stress_.data()[i] > 0)) continue;
       if (mouth >= 0 && area_.data()[i] <= area_.data()[mouth]) continue;
       const Vec2d at =
           filled_.placement.center(static_cast<double>(i % width), static_cast<double>(i / width));
-      if (!ground_.usable({at.x, at.y, static_cast<double>(filled_.values.data()[i])})) continue;
+      if (!ground_.usable({at.x, at.y, filled_.values.data()[i]})) continue;
       mouth = i;
     }
     if (mouth < 0) break;
     // Where a bed is broad the most water may run in one cell far upstream; down from there to the rim.
-    for (std::ptrdiff_t next = mouth; next >= 0 && !taken[static_cast<std::size_t>(next)];
-         next = receiver(next))
-      mouth = next;
+    for (std::ptrdiff_t next = mouth; next >= 0 && !taken[next]; next = receiver(next)) mouth = next;
     Course course = trace(mouth, taken);
     if (course.line.size() >= 8) out.push_back(std::move(course));
   }

@@ -252,7 +252,7 @@ class Hive {
     int tries = 0;
     for (double far = 0.35 * std::min(extent.x, extent.y); far > 4 * p_.radius; far *= 0.6)
       for (const impl::Mouth& mouth : planner_.mouths()) {
-        if (static_cast<std::int64_t>(opened_.size()) >= p_.entrances || ++tries > 600) return;
+        if (std::ssize(opened_) >= p_.entrances || ++tries > 600) return;
         const auto near = [&](Vec3d other) { return length(other - mouth.ground) < far; };
         if (std::any_of(opened_.begin(), opened_.end(), near)) continue;
         if (open(mouth)) opened_.push_back(mouth.ground);

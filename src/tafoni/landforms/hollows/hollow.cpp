@@ -139,8 +139,7 @@ double carved_volume(const ScalarGrid& grid, const field::NodePtr& before) {
           if (grid.at({x, y, z}) < 0) open.push_back(frame.position({x, y, z}));
     std::vector<float> values(open.size());
     field.values(open, values);
-    counts[static_cast<std::size_t>(c)] =
-        std::count_if(values.begin(), values.end(), [](float v) { return v > 0; });
+    counts[c] = std::count_if(values.begin(), values.end(), [](float v) { return v > 0; });
   });
   std::int64_t sum = 0;
   for (const std::int64_t count : counts) sum += count;

@@ -71,20 +71,17 @@ class LatticeFiller {
     if (!s_.detail) return fractal.grid(volume::Precision::single, progress);
     // What the coarse values leave out of the terrain, column by column.
     const Vec3i n = volume_.size();
-    std::vector<float> rest(static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y));
+    std::vector<float> rest(std::int64_t{n.x} * n.y);
     parallel_for(n.y, [&](std::int64_t j) {
       for (int i = 0; i < n.x; ++i)
-        rest[static_cast<std::size_t>(j) * static_cast<std::size_t>(n.x) + static_cast<std::size_t>(i)] =
+        rest[j * n.x + i] =
             static_cast<float>(height(volume_.origin.x + volume_.spacing * i,
                                       volume_.origin.y + volume_.spacing * static_cast<double>(j)));
     });
     ScalarGrid made({volume_.origin, volume_.spacing, n}, 0);
     const auto limit = static_cast<float>(limit_);
     const Vec3i chunks = made.chunks();
-    progress.begin("subdividing",
-                   static_cast<std::uint64_t>(chunks.x) * static_cast<std::uint64_t>(chunks.y) *
-                       static_cast<std::uint64_t>(chunks.z),
-                   "chunks");
+    progress.begin("subdividing", std::int64_t{chunks.x} * chunks.y * chunks.z, "chunks");
     made.generate(
         [&](const volume::SampleBox& box, float* out) { return add_detail(fractal, rest, box, limit, out); },
         progress);
@@ -120,9 +117,7 @@ class LatticeFiller {
   void fill() {
     const Vec3i n{volume_.cells.x + 1, volume_.cells.y + 1, volume_.cells.z + 1};
     if (s_.detail) {
-      volume_.coarse.assign(
-          static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) * static_cast<std::size_t>(n.z),
-          0.0f);
+      volume_.coarse.assign(std::int64_t{n.x} * n.y * n.z, 0.0f);
       volume_.limit = 1e30;
       return;
     }
@@ -160,9 +155,7 @@ class LatticeFiller {
                                   const volume::SampleBox& box, float limit, float* out) const {
     const Vec3i size = box.size();
     const auto row_of = [&](int y) {
-      return rest.data() +
-             static_cast<std::size_t>(box.lo.y + y) * static_cast<std::size_t>(volume_.size().x) +
-             static_cast<std::size_t>(box.lo.x);
+      return rest.data() + std::int64_t{box.lo.y + y} * volume_.size().x + box.lo.x;
     };
     float low = row_of(0)[0], high = low;
     for (int y = 0; y < size.y; ++y)
@@ -171,16 +164,13 @@ class LatticeFiller {
     const auto z_of = [&](int z) { return static_cast<float>(volume_.origin.z + volume_.spacing * z); };
     if (low - z_of(box.hi.z) + noise.lo >= limit) return limit;
     if (high - z_of(box.lo.z) + noise.hi <= -limit) return -limit;
-    std::vector<float> dense(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) *
-                             static_cast<std::size_t>(size.z));
+    std::vector<float> dense(std::int64_t{size.x} * size.y * size.z);
     fractal.read(box, dense.data());
     for (int z = 0; z < size.z; ++z)
       for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x)
-          out[(z * side + y) * side + x] =
-              std::clamp(dense[static_cast<std::size_t>((z * size.y + y) * size.x + x)] + row_of(y)[x] -
-                             z_of(box.lo.z + z),
-                         -limit, limit);
+          out[(z * side + y) * side + x] = std::clamp(
+              dense[(z * size.y + y) * size.x + x] + row_of(y)[x] - z_of(box.lo.z + z), -limit, limit);
     return {};
   }
 

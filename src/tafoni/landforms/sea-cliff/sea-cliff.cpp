@@ -146,7 +146,7 @@ class SeaCliff {
   /// 1 on faces, 0 on ground gentler than the limit; ceilings give way less than walls, so that notches
   /// grow inward rather than upward.
   double steepness(Vec3f normal) const {
-    const double nz = static_cast<double>(normal.z);
+    const double nz = normal.z;
     return smoothstep(0.0, 0.22, gentle_ - nz) * (nz < 0 ? 1 + 0.65 * nz : 1);
   }
 
@@ -189,7 +189,7 @@ class SeaCliff {
     std::vector<float> rho(places.size());
     ground_.resistances(places, rho);
     std::vector<Attack> attacks(points.size());
-    parallel_blocks(static_cast<std::int64_t>(points.size()), 256, [&](std::int64_t begin, std::int64_t end) {
+    parallel_blocks(std::ssize(points), 256, [&](std::int64_t begin, std::int64_t end) {
       for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
         attacks[i] = {points[i], erosion_effect(weaken_by_joints(static_cast<double>(rho[i]), places[i]),
                                                 stress_at(points[i]), beta)};
@@ -232,7 +232,7 @@ class SeaCliff {
       add_point(cloud, a.at.position, r,
                 -energy * a.effect * uneven(a.at.position, 2 * radius, Stream::weathering_unevenness));
     }
-    primitives_ += static_cast<std::int64_t>(cloud.size());
+    primitives_ += cloud.size();
     return cloud.size() ? cloud.finish() : nullptr;
   }
 
@@ -242,16 +242,15 @@ class SeaCliff {
   static void probe(const field::CompiledField& field, const std::vector<Attack>& attacks, const Place& place,
                     const Body& body) {
     constexpr std::int64_t block = 128;
-    parallel_blocks(static_cast<std::int64_t>(attacks.size()), block,
-                    [&](std::int64_t begin, std::int64_t end) {
-                      std::vector<Vec3d> points;
-                      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-                        for (int k = 0; k < probes; ++k) points.push_back(place(attacks[i], k));
-                      std::vector<float> values(points.size());
-                      field.values(points, values);
-                      for (std::int64_t i = begin; i < end; ++i)
-                        body(static_cast<std::size_t>(i), values.data() + (i - begin) * probes);
-                    });
+    parallel_blocks(std::ssize(attacks), block, [&](std::int64_t begin, std::int64_t end) {
+      std::vector<Vec3d> points;
+      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+        for (int k = 0; k < probes; ++k) points.push_back(place(attacks[i], k));
+      std::vector<float> values(points.size());
+      field.values(points, values);
+      for (std::int64_t i = begin; i < end; ++i)
+        body(static_cast<std::size_t>(i), values.data() + (i - begin) * probes);
+    });
   }
 
   /// Lifts a primitive that would dig into the platform before the cliff.
@@ -318,7 +317,7 @@ class SeaCliff {
       add_point(cloud, center, r, -energy * effect * uneven(a.at.position, radius, Stream::unevenness));
       strongest_ = std::max(strongest_, a.effect);
     }
-    primitives_ += static_cast<std::int64_t>(cloud.size());
+    primitives_ += cloud.size();
     return cloud.size() ? cloud.finish() : nullptr;
   }
 
