@@ -1,3 +1,5 @@
+// A session keeps the document, a builder that remembers what it made, the journals of strokes that are open,
+// and a mesher with the boxes that changed since it last meshed.
 #include "tafoni/scene/session.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// The surface's highest and lowest elevation are looked for a column of chunks at a time, by the field's
+// ranges; the volume's frame holds all between them with a rim, and is sampled.
 #include "tafoni/scene/products/volume_scene.h"
 
 #include <algorithm>

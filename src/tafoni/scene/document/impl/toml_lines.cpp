@@ -1,3 +1,5 @@
+// A scanner over lines: it knows headers, keys, comments, strings and brackets, and no more of TOML. Texts
+// are cut into blocks before headers, and a key's value is replaced in its place.
 #include "tafoni/scene/document/impl/toml_lines.h"
 
 #include <algorithm>
