@@ -63,7 +63,7 @@ void write_hillside(const std::filesystem::path& file, int width, int height) {
   for (int y = 0; y < height; ++y, out << "\n")
     for (int x = 0; x < width; ++x) {
       const double rib = 7 * std::sin(0.07 * y + 0.02 * x) + 3 * std::sin(0.19 * y - 1);
-      const double rise = smoothstep(45.0, 100.0, x + rib);
+      const double rise = smoothstep(45.0, 80.0, x + rib);
       const double bumps = 1.6 * std::sin(0.31 * x + 0.2 * y) * std::sin(0.23 * y - 0.12 * x);
       const double rubble = 0.35 * std::sin(1.3 * x + 0.4 * y) * std::cos(1.1 * y);
       out << 2 + 52 * rise + 0.04 * x + bumps + rubble << " ";
