@@ -38,11 +38,11 @@ Heights elevations(const field::CompiledField& field, const Box3d& box, double v
   const auto chunk = [&](double v) { return static_cast<int>(std::floor(v / size)); };
   const int west = chunk(box.lo.x), south = chunk(box.lo.y), columns = chunk(box.hi.x) - west + 1,
             rows = chunk(box.hi.y) - south + 1;
-  std::vector<Heights> found(static_cast<std::size_t>(rows));
+  std::vector<Heights> found(rows);
   progress.begin("looking for the surface", static_cast<std::uint64_t>(rows), "rows");
   const auto look = [&](std::int64_t row) {
     field::ChunkEvaluator evaluator(field, voxel);
-    Heights& own = found[static_cast<std::size_t>(row)];
+    Heights& own = found[row];
     for (int a = west; a < west + columns; ++a) {
       const int b = south + static_cast<int>(row);
       const auto range = evaluator.column(a, b);
