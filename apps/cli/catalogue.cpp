@@ -1,3 +1,5 @@
+// Every registry, the sections of a scene file and the commands are turned into entries of one form, which
+// are printed as text, as JSON or as the Markdown of the reference.
 #include "catalogue.h"
 
 #include "command.h"
@@ -140,9 +142,38 @@ Topic common_options() {
           {{"common options", "On any command", {}, {}, {}, args.entries()}}};
 }
 
-/// What a parameter does, with its columns where it is a table.
+struct TopicMaker {
+  const char* name;
+  Topic (*make)();
+};
+
+/// In the order of the reference. The names alone are asked for while commands are being set up, which the
+/// topic of commands does itself.
+std::span<const TopicMaker> topic_makers() {
+  static const TopicMaker all[] = {
+      {"commands", commands},
+      {"options", common_options},
+      {"scene", sections},
+      {"landforms",
+       [] { return topic("landforms", "Layers that shape the terrain", landforms::all_landforms()); }},
+      {"geology", rocks},
+      {"generators",
+       [] { return topic("generators", "Built-in elevation models", terrain::all_generators()); }},
+      {"brushes", brushes},
+      {"primitives",
+       [] { return topic("primitives", "Leaves of construction trees", field::all_primitives()); }},
+      {"operators",
+       [] { return topic("operators", "How trees are combined, moved and eroded", field::all_operators()); }},
+      {"solids", [] { return topic("solids", "What grammar caves are made of", grammar::all_solids()); }},
+      {"formats", formats},
+  };
+  return all;
+}
+
+/// What a parameter does and where, with its columns where it is a table.
 std::string doc_text(const ParamInfo& info, const char* separator) {
   std::string out = info.doc;
+  if (!info.only.empty()) out += ". Only " + info.only;
   for (const ParamInfo& column : info.columns)
     out +=
         fmt::format("{}{} = {}{}: {}", separator, column.name, init_text(column),
@@ -186,17 +217,17 @@ void markdown(std::string& out, const CatalogueEntry& entry, bool examples) {
 }  // namespace
 
 std::vector<Topic> catalogue() {
-  return {commands(),
-          common_options(),
-          sections(),
-          topic("landforms", "Layers that shape the terrain", landforms::all_landforms()),
-          rocks(),
-          topic("generators", "Built-in elevation models", terrain::all_generators()),
-          brushes(),
-          topic("primitives", "Leaves of construction trees", field::all_primitives()),
-          topic("operators", "How trees are combined, moved and eroded", field::all_operators()),
-          topic("solids", "What grammar caves are made of", grammar::all_solids()),
-          formats()};
+  std::vector<Topic> out;
+  for (const TopicMaker& maker : topic_makers()) out.push_back(maker.make());
+  return out;
+}
+
+std::string topic_names() {
+  std::string out;
+  const std::span<const TopicMaker> all = topic_makers();
+  for (std::size_t i = 0; i < all.size(); ++i)
+    out += (i == 0 ? "" : i + 1 == all.size() ? " or " : ", ") + std::string(all[i].name);
+  return out;
 }
 
 std::string markdown(const std::vector<Topic>& topics) {

@@ -26,6 +26,9 @@ struct Topic {
 /// Commands and their options, scene sections, landforms and whatever else has a registry.
 std::vector<Topic> catalogue();
 
+/// "commands, options … or formats".
+std::string topic_names();
+
 /// The reference page.
 std::string markdown(const std::vector<Topic>& topics);
 std::string text(const Topic& topic);

@@ -1,3 +1,5 @@
+// A row of a CSV is a question to a collider: a ray, a sphere, the nearest point, a walk. Rows are answered
+// in parallel and printed in their order.
 #include "collisions.h"
 
 #include <algorithm>

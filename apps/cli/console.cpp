@@ -1,3 +1,5 @@
+// Results go to standard output; warnings, errors and the line of progress to standard error, where they are
+// coloured on a terminal.
 #include "console.h"
 
 #include <algorithm>

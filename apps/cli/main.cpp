@@ -1,3 +1,5 @@
+// Finds the command, lets it declare its options, runs it, and turns what it throws into one sentence and an
+// exit status.
 #include <atomic>
 #include <csignal>
 #include <exception>

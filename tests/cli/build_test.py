@@ -1,9 +1,9 @@
 """tafoni build: the same bytes again, tiles, predictions, interrupts."""
 
 import json
+import os
 import signal
 import subprocess
-import time
 
 from case import TAFONI, Case, run
 
@@ -60,11 +60,15 @@ class Build(Case):
         self.hill(n=400)
         before = self.files()
         for tiles in ([], ["--tiles", "4"]):
-            work = subprocess.Popen([TAFONI, "build", "hill.asc", "--voxel", "0.2", "-o", "a.ply", "--report", "r.json", *tiles],
-                                    cwd=self.dir, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-            time.sleep(1.0)
+            work = subprocess.Popen([TAFONI, "build", "hill.asc", "--voxel", "0.2", "-o", "a.ply", "--report", "r.json",
+                                     "--progress", *tiles], cwd=self.dir, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            begun = b""
+            while b"%" not in begun:  # it says how far it has come: it is at work
+                more = os.read(work.stderr.fileno(), 1)
+                self.assertTrue(more, begun)
+                begun += more
             work.send_signal(signal.SIGINT)
-            _, said = work.communicate(timeout=60)
+            said = work.communicate(timeout=60)[1].decode()
             self.assertEqual(work.returncode, 130, said)
             self.assertIn("tafoni: interrupted; nothing half-written is left", said)
             self.assertEqual(self.files(), before)

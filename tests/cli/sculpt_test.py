@@ -2,7 +2,6 @@
 
 import json
 import subprocess
-import time
 
 from case import TAFONI, Case
 
@@ -65,7 +64,9 @@ class Sculpt(Case):
         for i in range(1, 6):
             child = subprocess.Popen([TAFONI, "sculpt", "s.toml", "--stroke", f"sphere at={i},0,48"], cwd=self.dir,
                                      stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            time.sleep(0.004 * i)
+            # Its transaction is open while SQLite's own journal of it is there.
+            while child.poll() is None and not (self.dir / "s.sculpt.journal-journal").exists():
+                pass
             child.kill()
             child.wait()
             found = [float(s["stroke"].split("at=")[1].split(",")[0]) for s in self.strokes()]

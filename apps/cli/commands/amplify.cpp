@@ -1,3 +1,4 @@
+// tafoni amplify: a scene made on the command line, of an elevation model and layers by name.
 #include <memory>
 
 #include "command.h"

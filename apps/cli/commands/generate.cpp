@@ -1,3 +1,4 @@
+// tafoni generate: an elevation model of a built-in generator, written as a raster.
 #include <memory>
 
 #include "command.h"

@@ -1,3 +1,4 @@
+// tafoni info: what an elevation model, a volume or a scene file holds, without building anything.
 #include <memory>
 
 #include "command.h"

@@ -1,3 +1,4 @@
+// tafoni list: the catalogue of what the program knows, as text, JSON or Markdown.
 #include <memory>
 
 #include "catalogue.h"
@@ -5,7 +6,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "tafoni/core/error.h"
+#include "tafoni/core/registry.h"
 
 namespace tafoni::cli {
 namespace {
@@ -23,6 +24,7 @@ Json to_json(const CatalogueEntry& entry) {
   if (!entry.note.empty()) json["note"] = entry.note;
   for (const ParamInfo& info : entry.params) {
     Json param = {{"name", info.name}, {"doc", info.doc}, {"unit", info.unit}, {"allowed", allowed(info)}};
+    if (!info.only.empty()) param["only"] = info.only;
     std::visit([&](const auto& v) { param["default"] = v; }, info.init);
     for (const ParamInfo& column : info.columns)
       param["columns"].push_back(
@@ -42,11 +44,7 @@ const T& named(const std::vector<T>& items, const std::string& name, const std::
     if (item.name == name) return item;
     known.push_back(item.name);
   }
-  std::string list;
-  for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
-  const std::string near = nearest(name, known);
-  fail(ErrorKind::usage, "list: unknown {} \"{}\"; {}", what, name,
-       near.empty() ? "known are " + list : fmt::format("did you mean \"{}\"?", near));
+  fail_unknown(what, name, known);
 }
 
 int run(const List& list, Console& console) {
@@ -74,10 +72,7 @@ int run(const List& list, Console& console) {
 
 std::function<int(Console&)> setup(Args& args) {
   auto list = std::make_shared<List>();
-  args.positional(
-      "TOPIC", list->topic,
-      "commands, options, scene, landforms, geology, generators, primitives, operators, solids or formats",
-      false);
+  args.positional("TOPIC", list->topic, topic_names(), false);
   args.positional("NAME", list->name, "One of the topic: its purpose, source and parameters", false);
   args.flag("--markdown", list->markdown, "Write the whole reference as Markdown");
   return [list](Console& console) { return run(*list, console); };

@@ -1,3 +1,4 @@
+// tafoni metrics: the measures of a mesh, or with --sgm those of a grammar cave, as text or JSON.
 #include "tafoni/mesh/metrics.h"
 
 #include <charconv>

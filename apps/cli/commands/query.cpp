@@ -1,3 +1,4 @@
+// tafoni query: values of a scene's field at points, or answers to rays, spheres and walks, read from CSV.
 #include <algorithm>
 #include <iostream>
 #include <iterator>

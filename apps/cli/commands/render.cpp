@@ -1,3 +1,4 @@
+// tafoni render: a picture of a scene or a mesh, from outside, from inside, or cut open to show its rock.
 #include "tafoni/render/render.h"
 
 #include <algorithm>

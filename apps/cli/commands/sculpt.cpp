@@ -1,3 +1,4 @@
+// tafoni sculpt: adds strokes to a scene's journal, takes them back, mutes or lists them.
 #include <iostream>
 #include <iterator>
 #include <memory>

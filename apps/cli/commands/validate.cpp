@@ -1,3 +1,4 @@
+// tafoni validate: checks a mesh file for what every mesh of the program promises.
 #include "tafoni/mesh/validate.h"
 
 #include <memory>

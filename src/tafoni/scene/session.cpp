@@ -1,3 +1,5 @@
+// A session keeps the document, a builder that remembers what it made, the journals of strokes that are open,
+// and a mesher with the boxes that changed since it last meshed.
 #include "tafoni/scene/session.h"
 
 #include <algorithm>
@@ -115,9 +117,7 @@ void Session::set(std::string_view assignment) {
 
 std::size_t Session::add_layer(Layer layer, std::size_t at) {
   at = std::min(at, state_->document.layers.size());
-  change([&](Document& d) {
-    d.layers.insert(d.layers.begin() + static_cast<std::ptrdiff_t>(at), std::move(layer));
-  });
+  change([&](Document& d) { d.layers.insert(d.layers.begin() + at, std::move(layer)); });
   return at;
 }
 
@@ -134,16 +134,16 @@ Layer& layer_at(Document& document, std::size_t index) {
 void Session::remove_layer(std::size_t layer) {
   change([&](Document& d) {
     layer_at(d, layer);
-    d.layers.erase(d.layers.begin() + static_cast<std::ptrdiff_t>(layer));
+    d.layers.erase(d.layers.begin() + layer);
   });
 }
 
 void Session::move_layer(std::size_t from, std::size_t to) {
   change([&](Document& d) {
     Layer moved = layer_at(d, from);
-    d.layers.erase(d.layers.begin() + static_cast<std::ptrdiff_t>(from));
+    d.layers.erase(d.layers.begin() + from);
     to = std::min(to, d.layers.size());
-    d.layers.insert(d.layers.begin() + static_cast<std::ptrdiff_t>(to), std::move(moved));
+    d.layers.insert(d.layers.begin() + to, std::move(moved));
   });
 }
 

@@ -1,7 +1,6 @@
 #include "tafoni/core/parallel.h"
 
 #include <atomic>
-#include <chrono>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -44,8 +43,10 @@ TEST_P(Threads, AnItemThatWaitsForAnInnerLoopIsNotInterruptedByAnotherItem) {
     int seen = deepest.load();
     while (seen < depth && !deepest.compare_exchange_weak(seen, depth)) {
     }
-    parallel_blocks(
-        4, 1, [](std::int64_t, std::int64_t) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
+    // Long enough for a thread whose own blocks are done to look for other work.
+    parallel_blocks(4, 1, [](std::int64_t, std::int64_t) {
+      for (int i = 0; i < 200; ++i) std::this_thread::yield();
+    });
     --depth;
   });
   EXPECT_EQ(deepest.load(), 1);

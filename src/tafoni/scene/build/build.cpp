@@ -33,8 +33,7 @@ std::uint64_t layer_seed(const Document& document, std::size_t index) {
     return other.type == layer.type && other.settings.name == layer.settings.name;
   };
   const auto begin = document.layers.begin();
-  return hash_combine(seed, static_cast<std::uint64_t>(
-                                std::count_if(begin, begin + static_cast<std::ptrdiff_t>(index), alike)));
+  return hash_combine(seed, static_cast<std::uint64_t>(std::count_if(begin, begin + index, alike)));
 }
 
 std::optional<double> sea_level(const Document& document) {

@@ -1,3 +1,5 @@
+// The tables of parameters that reading, writing, --set and the reference share, and the checks that no
+// single parameter can make.
 #include "tafoni/scene/document/document.h"
 
 #include <algorithm>
@@ -16,14 +18,17 @@ const std::vector<ParamInfo>& scene_params() {
       ParamTable<S>()
           .integer("seed", &S::seed, "", 0, std::int64_t{1} << 53, "Every random choice is made from it")
           .real("voxel", &S::voxel, "m", 0, 1e5,
-                "Size of a cell of the lattice; 0 chooses it from the terrain's pixel size and extent")
+                "Size of a cell of the lattice: smaller shows more detail and takes more time and memory; 0 "
+                "chooses "
+                "it from the terrain's pixel size and extent")
           .choice("boundary", &S::boundary, {"solid", "open"},
-                  "solid closes the mesh with walls and a base; open leaves a terrain sheet")
-          .real("plants", &S::plants, "", 0, 1, "how green gentle ground is coloured; 0 is a desert")
+                  "How the mesh ends: solid closes it with walls and a base, open leaves a sheet of terrain")
+          .real("plants", &S::plants, "", 0, 1,
+                "How green gentle ground is coloured: 1 is a meadow, 0 a desert")
           .real("min_fragment", &S::min_fragment, "m3", 0, 1e12,
                 "Floating pieces with less volume, or of only a few cells, are removed; 0 keeps all")
           .real("simplify", &S::simplify, "m", 0, 1e4,
-                "Greatest distance a simplified mesh may stray; 0 keeps every triangle");
+                "How far a simplified mesh may stray: more leaves fewer triangles; 0 keeps every triangle");
   return params;
 }
 
@@ -38,22 +43,26 @@ const std::vector<ParamInfo>& terrain_params() {
                    "Column, row, width and height of the part to read, as gdal_translate -srcwin")
           .real("resolution", &S::resolution, "m", 0, 1e5,
                 "Pixel size to bring the source to; 0 keeps its own")
-          .real("influence", &S::influence, "m", 1e-3, 1e5, "R, how far from the surface the field reaches")
+          .real("influence", &S::influence, "m", 1e-3, 1e5,
+                "How far from the surface the field reaches, R: landforms act within about that depth")
           .real("amplitude", &S::amplitude, "m", 1e-3, 1e5,
-                "T, the field's greatest magnitude; R must not exceed 3 T")
+                "The field's greatest magnitude, T; R must not exceed 3 T")
           .choice("interpolation", &S::interpolation, {"bicubic", "bilinear"},
-                  "How heights between pixel centres are found")
+                  "How heights between pixel centres are found: bicubic is smooth, bilinear shows the pixels")
           .choice("distance", &S::distance, {"first-order", "vertical"},
-                  "Distance to the surface: divided by the slope's length, or straight up and down")
+                  "How the distance to the surface is taken: first-order divides by the length of the "
+                  "gradient, vertical "
+                  "goes straight up and down")
           .real("fill", &S::fill, "m", -1, 1e6,
                 "Holes that reach no farther than this from data are filled; -1 means eight pixels")
-          .boolean("smooth", &S::smooth, "Removes the terraces of 8-bit and stepped data")
+          .boolean("smooth", &S::smooth, "Removes the terraces of 8-bit and other stepped data")
           .integer("band", &S::band, "", 0, 65535, "Band of the source, from 1; 0 finds the elevations")
           .real("pixel_size", &S::pixel_size, "m", 0, 1e5,
                 "Pixel size of a source without georeference; 0 means 1 m")
           .real("height_scale", &S::height_scale, "m", 0, 1e5,
-                "Metres a stored unit of height; 0 takes what the source says")
-          .real("depth", &S::depth, "m", 0, 1e5, "Rock kept below the lowest height, beyond R")
+                "Metres in a stored unit of height; 0 takes what the source says")
+          .real("depth", &S::depth, "m", 0, 1e5,
+                "How much rock is kept below the lowest height, beyond R: caves go no deeper")
           .text("domain", &S::domain, "Path of a polygon file that limits the terrain");
   return params;
 }
@@ -62,9 +71,9 @@ const std::vector<ParamInfo>& geology_params() {
   using S = GeologySettings;
   static const std::vector<ParamInfo> params =
       ParamTable<S>()
-          .text("name", &S::name, "What --set calls it")
+          .text("name", &S::name, "Name by which --set calls it")
           .integer("seed", &S::seed, "", -1, std::int64_t{1} << 53,
-                   "Its own seed; -1 makes it from the scene's seed and the place in the tree");
+                   "Seed of its own; -1 makes it from the scene's seed and the place in the tree");
   return params;
 }
 
@@ -72,20 +81,25 @@ const std::vector<ParamInfo>& layer_params() {
   using S = LayerSettings;
   static const std::vector<ParamInfo> params =
       ParamTable<S>()
-          .text("name", &S::name, "What messages, --set and the report call the layer")
-          .boolean("enabled", &S::enabled, "false leaves the layer out")
-          .text("region", &S::region, "Path of a polygon file; the layer acts inside")
+          .text("name", &S::name,
+                "Name by which messages, --set and the report call the layer; none takes its type")
+          .boolean("enabled", &S::enabled, "Whether the layer is built; false leaves it out")
+          .text("region", &S::region,
+                "Path of a polygon file, inside of which alone the layer acts; none leaves it free")
           .numbers("altitude", &S::altitude, "m", 2, -2e4, 2e4,
-                   "Lowest and highest elevation at which the layer acts")
+                   "Lowest and highest elevation between which alone the layer acts; none leaves it free")
           .numbers("box", &S::box, "m", 6, -1e9, 1e9,
-                   "West, south, bottom, east, north, top in the scene's CRS; the layer acts inside")
+                   "West, south, bottom, east, north and top, in the scene's CRS, of the box inside of which "
+                   "alone the "
+                   "layer acts; none leaves it free")
           .text("mask", &S::mask,
-                "Path of a raster, or paint:NAME for what strokes paint; the layer acts where it is above 0, "
-                "by its "
-                "weight")
-          .text("points", &S::points, "Path of a CSV (x,y,z) of seed points in the scene's CRS")
+                "Path of a raster, or paint:NAME for what strokes paint: the layer acts where it is above 0, "
+                "the more the nearer to 1; none leaves it free")
+          .text("points", &S::points,
+                "Path of a CSV (x,y,z) of places in the scene's CRS that a landform starts from; none lets "
+                "it choose")
           .integer("seed", &S::seed, "", -1, std::int64_t{1} << 53,
-                   "The layer's own seed; -1 makes it from the scene's seed and the layer's type and name");
+                   "Seed of its own; -1 makes it from the scene's seed and the layer's type and name");
   return params;
 }
 

@@ -1,3 +1,6 @@
+// A document as text. Where it was read from a text, that text is cut into its blocks and only the values
+// that differ are edited, so that comments and layout stay; what an edit made is read again before it is
+// trusted.
 #include <algorithm>
 #include <iterator>
 #include <span>

@@ -48,7 +48,7 @@ landforms::Result place(const Keyed<std::shared_ptr<const impl::Sculpted>>& scul
   std::int64_t strokes = 0, muted = 0;
   for (const auto& group : sculpted.value->groups)
     for (const impl::Slot& slot : group->slots) ++(slot.muted ? muted : strokes);
-  out.report = {{"strokes", strokes}, {"muted", muted}};
+  out.facts.count("strokes", strokes).count("muted", muted);
   return out;
 }
 

@@ -147,10 +147,10 @@ landforms::Result make(const impl::LayerParts& parts, impl::Readers& readers) {
       return field::combine(op, {std::move(below), own});
     };
   }
-  out.report = {{"mode", p.mode},
-                {"samples", std::int64_t{frame.size.x} * frame.size.y * frame.size.z},
-                {"spacing m", frame.spacing},
-                {"bytes", static_cast<std::int64_t>(volume.grid.bytes())}};
+  out.facts.text("mode", p.mode)
+      .count("samples", std::int64_t{frame.size.x} * frame.size.y * frame.size.z)
+      .length("spacing", frame.spacing)
+      .count("bytes", static_cast<std::int64_t>(volume.grid.bytes()));
   return out;
 }
 

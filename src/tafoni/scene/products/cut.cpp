@@ -1,3 +1,5 @@
+// The ground is meshed and clipped along the cut, and walls are put up along it and along the borders: a
+// lattice of samples on each upright plane, whose solid part marching squares fill with triangles.
 #include "tafoni/scene/products/cut.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Meshing a scene: polygonize its tree, colour the vertices by rock, slope and height, simplify; as a whole
+// or a tile at a time. A prediction does the same on a coarser lattice and scales what it counts.
 #include "tafoni/scene/products/mesh_scene.h"
 
 #include <algorithm>

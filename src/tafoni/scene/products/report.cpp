@@ -1,3 +1,5 @@
+// The report as JSON: the scene's settings, what each layer told, the tree, the mesh, and the seconds of each
+// stage.
 #include <algorithm>
 
 #include <nlohmann/json.hpp>
@@ -17,6 +19,24 @@ Json to_json(const Value& value) {
 
 Json to_json(Vec3d v) {
   return Json::array({v.x, v.y, v.z});
+}
+
+/// Facts in one line of JSON each: units follow names, places are world positions.
+void add_facts(Json& entry, const landforms::Facts& facts, Vec3d origin) {
+  constexpr const char* units[] = {"", "_m", "_m2", "_m3"};
+  for (const landforms::Fact& fact : facts) {
+    Json& value = entry[fact.name + units[static_cast<int>(fact.unit)]];
+    if (const auto* places = std::get_if<landforms::Places>(&fact.content)) {
+      value = Json::array();
+      for (const Vec3d p : places->local) value.push_back(to_json(p + origin));
+    } else {
+      std::visit(
+          [&](const auto& v) {
+            if constexpr (!std::is_same_v<decltype(v), const landforms::Places&>) value = v;
+          },
+          fact.content);
+    }
+  }
 }
 
 Json layers_json(const BuiltScene& scene) {

@@ -1,3 +1,5 @@
+// The cave or solid of a grammar layer is taken out of the scene: its change of the tree is applied to
+// nothing but air, or to nothing but rock. What it makes there is meshed and counted by cubes.
 #include "tafoni/scene/products/sgm.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// The surface's highest and lowest elevation are looked for a column of chunks at a time, by the field's
+// ranges; the volume's frame holds all between them with a rim, and is sampled.
 #include "tafoni/scene/products/volume_scene.h"
 
 #include <algorithm>
@@ -37,11 +39,11 @@ Heights elevations(const field::CompiledField& field, const Box3d& box, double v
   const auto chunk = [&](double v) { return static_cast<int>(std::floor(v / size)); };
   const int west = chunk(box.lo.x), south = chunk(box.lo.y), columns = chunk(box.hi.x) - west + 1,
             rows = chunk(box.hi.y) - south + 1;
-  std::vector<Heights> found(static_cast<std::size_t>(rows));
+  std::vector<Heights> found(rows);
   progress.begin("looking for the surface", static_cast<std::uint64_t>(rows), "rows");
   const auto look = [&](std::int64_t row) {
     field::ChunkEvaluator evaluator(field, voxel);
-    Heights& own = found[static_cast<std::size_t>(row)];
+    Heights& own = found[row];
     for (int a = west; a < west + columns; ++a) {
       const int b = south + static_cast<int>(row);
       const auto range = evaluator.column(a, b);

@@ -21,7 +21,7 @@ std::vector<ParamInfo> params_of_brush(const BrushType& brush, const Values& val
 std::vector<Vec3d> sample_path(std::span<const Vec3d> points, bool smooth, double spacing) {
   std::vector<Vec3d> out;
   const auto at = [&](std::ptrdiff_t i) {
-    return points[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(i, 0, std::ssize(points) - 1))];
+    return points[std::clamp<std::ptrdiff_t>(i, 0, std::ssize(points) - 1)];
   };
   for (std::ptrdiff_t i = 0; i + 1 < std::ssize(points); ++i) {
     const Vec3d p0 = at(i - 1), p1 = at(i), p2 = at(i + 1), p3 = at(i + 2);

@@ -1,7 +1,9 @@
+// The file holds a tree of strokes, each of which knows the one before it, and the head: the last one
+// applied. A change takes the lock, takes over what other processes did, changes the tables and the copy of
+// them in memory, and commits; where that fails the copy is put back as it was.
 #include "tafoni/scene/sculpt/journal.h"
 
 #include <algorithm>
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,9 +12,15 @@
 #include <sqlite3.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/scene/sculpt/impl/database.h"
 
 namespace tafoni::scene {
 namespace {
+
+using impl::fail_sqlite;
+using impl::pragma;
+using impl::Query;
+using impl::Transaction;
 
 constexpr std::int64_t application_id = 0x7461666f;  // "tafo"
 constexpr std::int64_t schema_version = 1;
@@ -39,123 +47,19 @@ struct Row {
   std::shared_ptr<const Stroke> stroke;
 };
 
-[[noreturn]] void fail_sqlite(const std::string& name, int code, const std::string& detail) {
-  switch (code & 0xff) {
-    case SQLITE_BUSY:
-    case SQLITE_LOCKED:
-      fail(ErrorKind::output, "{}: is in use by another program; try again when that has finished", name);
-    case SQLITE_READONLY:
-    case SQLITE_PERM:
-      fail(ErrorKind::output, "{}: cannot be written; check the permissions of the file and its folder",
-           name);
-    case SQLITE_FULL:
-      fail(ErrorKind::output, "{}: cannot grow, the disk is full; nothing was changed", name);
-    case SQLITE_IOERR:
-      fail(ErrorKind::output, "{}: cannot be written or read ({}); check the disk's space and health", name,
-           detail);
-    case SQLITE_NOTADB:
-      fail(ErrorKind::input, "{}: is no sculpt journal; check the layer's journal key", name);
-    case SQLITE_CORRUPT:
-      fail(ErrorKind::input, "{}: is damaged ({}); restore it from a copy", name, detail);
-    case SQLITE_CANTOPEN:
-      fail(ErrorKind::output, "{}: cannot be opened; check that its folder exists and may be written", name);
-    default:
-      fail(ErrorKind::input, "{}: {}", name, detail);
-  }
-}
-
 }  // namespace
 
-struct Journal::State {
+struct Journal::State : impl::Database {
   std::filesystem::path file;
-  std::string name;
-  sqlite3* db = nullptr;
   std::unordered_map<std::int64_t, Row> rows;
   std::int64_t head = 0;
   std::int64_t seen = -1;      ///< data_version at the last load
   std::vector<Entry> applied;  ///< ids ascend
   /// Rows as they were before the change that is under way.
   std::vector<std::pair<std::int64_t, std::optional<Row>>> former;
-
-  ~State() { sqlite3_close(db); }
-
-  void check(int code) const {
-    if (code != SQLITE_OK && code != SQLITE_ROW && code != SQLITE_DONE)
-      fail_sqlite(name, code, db ? sqlite3_errmsg(db) : sqlite3_errstr(code));
-  }
-  void run(const char* sql) const { check(sqlite3_exec(db, sql, nullptr, nullptr, nullptr)); }
 };
 
 namespace {
-
-/// One prepared statement.
-class Query {
- public:
-  template <class State>
-  Query(const State& state, const char* sql) : check_([&state](int code) { state.check(code); }) {
-    check_(sqlite3_prepare_v2(state.db, sql, -1, &statement_, nullptr));
-  }
-  ~Query() { sqlite3_finalize(statement_); }
-  Query(const Query&) = delete;
-  Query& operator=(const Query&) = delete;
-
-  Query& bind(int at, std::int64_t v) {
-    check_(sqlite3_bind_int64(statement_, at, v));
-    return *this;
-  }
-  Query& bind(int at, const std::string& v) {
-    check_(sqlite3_bind_text(statement_, at, v.data(), static_cast<int>(v.size()), SQLITE_TRANSIENT));
-    return *this;
-  }
-  /// False when there are no more rows.
-  bool step() {
-    const int code = sqlite3_step(statement_);
-    check_(code);
-    return code == SQLITE_ROW;
-  }
-  void once() {
-    step();
-    check_(sqlite3_reset(statement_));
-  }
-  std::int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
-  std::string text(int column) const {
-    const auto* v = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
-    return v ? std::string(v, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column)))
-             : std::string();
-  }
-
- private:
-  std::function<void(int)> check_;
-  sqlite3_stmt* statement_ = nullptr;
-};
-
-template <class State>
-std::int64_t pragma(const State& state, const char* name) {
-  Query query(state, name);
-  return query.step() ? query.integer(0) : 0;
-}
-
-/// What was read and changed under one lock; rolled back unless committed.
-template <class State>
-class Transaction {
- public:
-  explicit Transaction(State& state, const char* begin = "begin immediate") : state_(state) {
-    state.run(begin);
-  }
-  ~Transaction() {
-    if (open_) sqlite3_exec(state_.db, "rollback", nullptr, nullptr, nullptr);
-  }
-  Transaction(const Transaction&) = delete;
-  Transaction& operator=(const Transaction&) = delete;
-  void commit() {
-    state_.run("commit");
-    open_ = false;
-  }
-
- private:
-  State& state_;
-  bool open_ = true;
-};
 
 /// Brings `applied` in line with the head. What stands before a stroke never changes, so that only the way
 /// from the last common stroke is walked.
@@ -286,7 +190,7 @@ void open_state(State& state, const std::filesystem::path& file, bool create) {
 
 /// Takes the lock, takes over what others did, lets `change` work on the tables, and commits.
 template <class State, class F>
-auto changing(State& state, F&& change) -> decltype(change()) {
+auto change_tables(State& state, F&& change) -> decltype(change()) {
   Transaction transaction(state);
   if (pragma(state, "pragma data_version") != state.seen) load(state);
   const auto head = state.head;
@@ -309,7 +213,7 @@ auto changing(State& state, F&& change) -> decltype(change()) {
 }
 
 template <class State>
-Row& touched(State& state, std::int64_t id) {
+Row& touch(State& state, std::int64_t id) {
   Row& row = state.rows.at(id);
   state.former.emplace_back(id, row);
   return row;
@@ -325,7 +229,7 @@ template <class State>
 void set_after(State& state, std::int64_t id, std::int64_t after) {
   if (state.rows.at(id).after == after) return;
   Query(state, "update stroke set after = ? where id = ?").bind(1, after).bind(2, id).once();
-  touched(state, id).after = after;
+  touch(state, id).after = after;
 }
 
 }  // namespace
@@ -367,7 +271,7 @@ std::vector<Journal::Entry> Journal::history() const {
 
 std::int64_t Journal::append(std::span<const Stroke> strokes) {
   State& s = *state_;
-  return changing(s, [&] {
+  return change_tables(s, [&] {
     Query insert(s, "insert into stroke (before, text) values (?, ?)");
     for (const Stroke& stroke : strokes) {
       insert.bind(1, s.head).bind(2, to_text(stroke)).once();
@@ -384,7 +288,7 @@ std::int64_t Journal::append(std::span<const Stroke> strokes) {
 
 std::size_t Journal::undo(std::size_t steps) {
   State& s = *state_;
-  return changing(s, [&] {
+  return change_tables(s, [&] {
     std::size_t gone = 0;
     std::int64_t head = s.head;
     for (; gone < steps && head != 0; ++gone) {
@@ -399,7 +303,7 @@ std::size_t Journal::undo(std::size_t steps) {
 
 std::size_t Journal::redo(std::size_t steps) {
   State& s = *state_;
-  return changing(s, [&] {
+  return change_tables(s, [&] {
     std::size_t gone = 0;
     std::int64_t head = s.head;
     for (; gone < steps && s.rows.at(head).after != 0; ++gone) head = s.rows.at(head).after;
@@ -410,7 +314,7 @@ std::size_t Journal::redo(std::size_t steps) {
 
 void Journal::go_to(std::int64_t id) {
   State& s = *state_;
-  changing(s, [&] {
+  change_tables(s, [&] {
     if (!s.rows.contains(id)) fail(ErrorKind::usage, "{}: has no stroke {}", s.name, id);
     for (std::int64_t at = id; at != 0; at = s.rows.at(at).before) set_after(s, s.rows.at(at).before, at);
     set_head(s, id);
@@ -420,10 +324,10 @@ void Journal::go_to(std::int64_t id) {
 
 void Journal::mute(std::int64_t id, bool muted) {
   State& s = *state_;
-  changing(s, [&] {
+  change_tables(s, [&] {
     if (id == 0 || !s.rows.contains(id)) fail(ErrorKind::usage, "{}: has no stroke {}", s.name, id);
     Query(s, "update stroke set muted = ? where id = ?").bind(1, std::int64_t{muted}).bind(2, id).once();
-    touched(s, id).muted = muted;
+    touch(s, id).muted = muted;
     return true;
   });
   for (Entry& entry : s.applied)

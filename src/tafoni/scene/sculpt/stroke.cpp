@@ -1,3 +1,5 @@
+// Strokes as text: one line a stroke, NAME=VALUE after the brush, or an array of JSON objects. Names and
+// values are checked against the brush's declaration, and a default is not written.
 #include "tafoni/scene/sculpt/stroke.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Two hashes of 64 bits, chained word by word. Files are read only where their size or time says that they
+// may have changed, together with the side files that GDAL reads along with them.
 #include "tafoni/scene/build/impl/digest.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Elevations come from a file by GDAL, from a volume's upper surface or from a generator; the terrain and its
+// field are made of them on the scene's lattice, the geology from the tree of its kinds.
 #include "tafoni/scene/build/impl/ground.h"
 
 #include <algorithm>

@@ -129,7 +129,8 @@ TEST_F(BuildScene, EveryKindOfPrimitiveStandsWhereItsRowSays) {
   for (const Vec3d& p : inside) EXPECT_NEAR(value(plain, plain.terrain.to_local(p)), -3, 1e-3) << p.x;
   const Vec3d wall = plain.terrain.to_local({20, 60, 20 + 6.5});
   EXPECT_NE(value(plain, wall), value(noisy, wall));
-  EXPECT_THROW(build(scene(layer + "noise = 1.5\n")), Error);
+  EXPECT_THAT(failure(scene(layer + "noise = 1.5\n")), HasSubstr("layer primitives: "));
+  EXPECT_THAT(failure(scene(layer + "noise = 1.5\n")), HasSubstr("k.csv:2: "));
 }
 
 TEST_F(BuildScene, AMaskLimitsALayer) {

@@ -1,3 +1,5 @@
+// A scanner over lines: it knows headers, keys, comments, strings and brackets, and no more of TOML. Texts
+// are cut into blocks before headers, and a key's value is replaced in its place.
 #include "tafoni/scene/document/impl/toml_lines.h"
 
 #include <algorithm>
@@ -88,8 +90,7 @@ std::vector<Statement> statements(std::string_view text) {
       stop = std::min(text.find('\n', s.value_end), text.size());
     }
     s.end = std::min(stop + 1, text.size());
-    line += static_cast<int>(std::count(text.begin() + static_cast<std::ptrdiff_t>(s.begin),
-                                        text.begin() + static_cast<std::ptrdiff_t>(s.end), '\n'));
+    line += static_cast<int>(std::count(text.begin() + s.begin, text.begin() + s.end, '\n'));
     at = s.end;
     out.push_back(std::move(s));
   }
@@ -103,8 +104,7 @@ std::vector<Block> cut(std::string_view text, int first_line, std::ptrdiff_t dot
   std::vector<Block> out(1);
   const auto all = statements(text);
   const auto blank_line = [&](const Statement& s) {
-    return std::all_of(text.begin() + static_cast<std::ptrdiff_t>(s.begin),
-                       text.begin() + static_cast<std::ptrdiff_t>(s.end),
+    return std::all_of(text.begin() + s.begin, text.begin() + s.end,
                        [](char c) { return blank(c) || c == '\n'; });
   };
   std::size_t begin = 0;

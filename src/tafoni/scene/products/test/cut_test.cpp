@@ -9,7 +9,9 @@
 #include <unistd.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/render/inner/palette.h"
+#include "tafoni/render/palette.h"
 
 namespace tafoni::scene {
 namespace {
@@ -93,8 +95,15 @@ TEST(Cut, IsColouredByResistance) {
 
 TEST(Cut, RefusesLinesThatLeaveNothing) {
   const BuiltScene scene = build(block());
-  EXPECT_THROW(cut_mesh(scene, {{5, 5}, {5, 5}}), Error);
-  EXPECT_THROW(cut_mesh(scene, {{0, 90}, {60, 90}}), Error);
+  EXPECT_EQ(error_of([&] {
+              cut_mesh(scene, {{5, 5}, {5, 5}});
+            }),
+            "The line of the cut has no length; give two places on the map.");
+  EXPECT_THAT(
+      error_of([&] {
+        cut_mesh(scene, {{0, 90}, {60, 90}});
+      }),
+      ::testing::StartsWith("Nothing of the terrain lies to the left of the cut; swap its ends or move it"));
   EXPECT_NO_THROW(cut_mesh(scene, {{60, 90}, {0, 90}}));
 }
 

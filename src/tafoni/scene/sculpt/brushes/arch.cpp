@@ -1,3 +1,6 @@
+// An added arch is a tube along a parabola from foot to foot, thick at the feet and thinnest at the crown. A
+// carved one is a bundle of level tubes through the wall, side by side and one above another, that fill the
+// section of an arch: upright walls and half a circle on them.
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +11,13 @@
 namespace tafoni::scene {
 namespace {
 
+enum class Stream : std::uint64_t { bow = 1 };
+
+// The least number of pieces of the rib, how many more there are for each radius of its way, and at most: it
+// must look round at the crown, and a thin, long one must not take forever.
+constexpr int least_steps = 24;
+constexpr double steps_per_radius = 2, most_steps = 4000;
+
 struct Params {
   double height = 12, depth = 30, feet = 1.5;
 };
@@ -16,10 +26,13 @@ const std::vector<ParamInfo>& params() {
   static const std::vector<ParamInfo> infos =
       ParamTable<Params>()
           .real("height", &Params::height, "m", 0.1, 1e4,
-                "Of the arch's inner crown, or of the opening, above the line of the feet")
+                "How high the arch's inner crown, or the top of the opening, is above the line of the feet")
           .real("depth", &Params::depth, "m", 0.1, 1e4,
-                "Carving: how far the opening reaches across the wall")
-          .real("feet", &Params::feet, "", 0.2, 10, "Adding: radius of the feet, in radii of the crown");
+                "How far the opening reaches through the wall, half to either side of the feet")
+          .only("where mode is carve", {{"mode", std::string("carve")}})
+          .real("feet", &Params::feet, "", 0.2, 10,
+                "Radius of the feet in radii of the crown: above 1 the arch widens downwards")
+          .only("where mode is add", {{"mode", std::string("add")}});
   return infos;
 }
 
@@ -27,11 +40,13 @@ const std::vector<ParamInfo>& params() {
 void rib(const Stroke& stroke, const Params& p, std::uint64_t seed, Dab& dab) {
   const Vec3d a = stroke.points[0], b = stroke.points[1];
   const double rise = p.height + stroke.radius;
-  Random random(seed, 1);
+  Random random(seed, Stream::bow);
   const Vec3d across = normalized(Vec3d{a.y - b.y, b.x - a.x, 0});
   const double bow = stroke.roughness * stroke.radius * random.uniform(-1, 1);
   std::vector<Vec3d> path;
-  const int steps = 24 + static_cast<int>(std::min(2 * (length(b - a) + rise) / stroke.radius, 4000.0));
+  const double way = length(b - a) + rise;
+  const int steps =
+      least_steps + static_cast<int>(std::min(steps_per_radius * way / stroke.radius, most_steps));
   for (int i = 0; i <= steps; ++i) {
     const double t = static_cast<double>(i) / steps, crown = 4 * t * (1 - t);
     path.push_back(a + (b - a) * t + Vec3d{0, 0, rise * crown} + across * (bow * crown));
@@ -81,16 +96,15 @@ void apply(const Stroke& stroke, std::uint64_t seed, Dab& dab) {
 }  // namespace
 
 const BrushType& brush_arch() {
-  static const BrushType type = [] {
-    BrushType t;
-    t.about.name = "arch";
-    t.about.doc = "Between two feet: a rock arch (add), or an arched opening through a wall (carve)";
-    t.about.source = "[Paris19 §8.2]";
-    t.about.params = params();
-    t.min_points = t.max_points = 2;
-    t.apply = &apply;
-    return t;
-  }();
+  static const BrushType type{
+      .about = {.name = "arch",
+                .doc = "Between two feet: a rock arch (add), or an arched opening through a wall (carve)",
+                .source = "[Paris19 §8.2]",
+                .params = params()},
+      .min_points = 2,
+      .max_points = 2,
+      .apply = apply,
+  };
   return type;
 }
 

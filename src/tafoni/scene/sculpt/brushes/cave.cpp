@@ -1,11 +1,24 @@
+// A passage: a tube along the curve through the stroke's points, which strays from it and varies in width by
+// smooth noise along the way. Rooms are discs of overlapping balls, set along it at even distances.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tafoni/core/random.h"
+#include "tafoni/math/smoothstep.h"
 #include "tafoni/scene/sculpt/brush.h"
 
 namespace tafoni::scene {
 namespace {
+
+enum class Stream : std::uint64_t { sideways = 1, up = 2, width = 3, lone_room = 4, first_room = 5 };
+
+// Chosen by eye, in radii of the passage where they are lengths.
+constexpr double room_radius = 2.2;       // so that a room is clearly wider than what leads to it
+constexpr double wander_wavelength = 4;   // bends that a walker sees as bends
+constexpr double width_wavelength = 1.5;  // shorter than bends, so that walls are not parallel
+constexpr double rise = 0.4;              // of the straying sideways goes up and down: floors stay walkable
+constexpr int least_balls = 5, more_balls = 4;  // around the middle of a room
 
 struct Params {
   double variation = 0.3, wander = 0.5, chamber_radius = 0, flatten = 0.6;
@@ -13,19 +26,29 @@ struct Params {
 };
 
 const std::vector<ParamInfo>& params() {
+  using P = Params;
   static const std::vector<ParamInfo> infos =
-      ParamTable<Params>()
-          .real("variation", &Params::variation, "", 0, 0.8, "How much the width varies along the passage")
-          .real("wander", &Params::wander, "", 0, 3, "How far the passage strays from the curve, in radii")
-          .integer("chambers", &Params::chambers, "", 0, 1000, "Rooms along the passage, evenly apart")
-          .real("chamber_radius", &Params::chamber_radius, "m", 0, 1e4, "Radius of the rooms; 0: 2.2 radii")
-          .real("flatten", &Params::flatten, "", 0.2, 1, "Height of the rooms in widths");
+      ParamTable<P>()
+          .real("variation", &P::variation, "", 0, 0.8,
+                "How much the width varies along the passage: 0 leaves it even, 0.8 makes squeezes and halls")
+          .real("wander", &P::wander, "", 0, 3,
+                "How far the passage strays from the curve, in radii; 0 follows it")
+          .integer("chambers", &P::chambers, "", 0, 1000,
+                   "How many rooms stand along the passage, evenly apart")
+          .real("chamber_radius", &P::chamber_radius, "m", 0, 1e4,
+                "Radius of the rooms; 0 takes 2.2 radii of the passage")
+          .only("where there is a room: chambers is above 0, or the stroke has one point",
+                {{"chambers", std::int64_t{2}}})
+          .real("flatten", &P::flatten, "", 0.2, 1,
+                "Height of the rooms in widths: 1 makes them round, less makes them low")
+          .only("where there is a room: chambers is above 0, or the stroke has one point",
+                {{"chambers", std::int64_t{2}}});
   return infos;
 }
 
 /// Smooth noise in [-1, 1] along a line, one value a unit.
 double wave(const Random& random, double x) {
-  const double whole = std::floor(x), t = x - whole, s = t * t * (3 - 2 * t);
+  const double whole = std::floor(x), s = smoothstep(x - whole);
   const auto at = [&](double i) {
     return static_cast<double>(random.at(static_cast<std::uint64_t>(static_cast<std::int64_t>(i))) >> 11) *
                0x1p-52 -
@@ -35,13 +58,14 @@ double wave(const Random& random, double x) {
 }
 
 /// A room: overlapping balls in a flat disc, so that its plan is irregular and its floor level.
-void chamber(Vec3d center, double radius, double flatten, Random random, Dab& dab) {
+void add_room(Vec3d center, double radius, double flatten, Random random, Dab& dab) {
+  constexpr double whole_turn = 2 * std::numbers::pi;
   const double ball = radius * flatten;
   dab.sphere(center, ball);
-  const int around = 5 + static_cast<int>(random.below(4));
-  const double turn = random.uniform(0, 6.283185307179586);
+  const int around = least_balls + static_cast<int>(random.below(more_balls));
+  const double turn = random.uniform(0, whole_turn);
   for (int i = 0; i < around; ++i) {
-    const double angle = turn + 6.283185307179586 * (i + random.uniform(-0.25, 0.25)) / around;
+    const double angle = turn + whole_turn * (i + random.uniform(-0.25, 0.25)) / around;
     const double r = ball * random.uniform(0.55, 0.95),
                  far = std::max(radius * random.uniform(0.8, 1.15) - r, 0.0);
     // The floors of all balls lie on about one level.
@@ -49,52 +73,63 @@ void chamber(Vec3d center, double radius, double flatten, Random random, Dab& da
   }
 }
 
-void apply(const Stroke& stroke, std::uint64_t seed, Dab& dab) {
-  Params p;
-  assign(params(), &p, stroke.values, "cave");
-  const double room = p.chamber_radius > 0 ? p.chamber_radius : 2.2 * stroke.radius;
-  if (stroke.points.size() == 1) return chamber(stroke.points[0], room, p.flatten, Random(seed, 4), dab);
+/// The way along `path` at each of its points.
+std::vector<double> ways(std::span<const Vec3d> path) {
+  std::vector<double> out(path.size(), 0);
+  for (std::size_t i = 1; i < path.size(); ++i) out[i] = out[i - 1] + length(path[i] - path[i - 1]);
+  return out;
+}
 
-  auto path = sample_path(stroke.points, true, 0.2 * stroke.radius);
-  const Random sideways(seed, 1), up(seed, 2), width(seed, 3);
-  const double step = 4 * stroke.radius;
-  std::vector<double> covered(path.size(), 0);
-  for (std::size_t i = 1; i < path.size(); ++i) covered[i] = covered[i - 1] + length(path[i] - path[i - 1]);
-  const double whole = covered.back();
+/// Moves the path sideways and a little up and down by up to `wander` radii. Its ends stay where they were
+/// asked for.
+void stray(std::vector<Vec3d>& path, std::span<const double> covered, double radius, double wander,
+           std::uint64_t seed) {
+  const Random sideways(seed, Stream::sideways), up(seed, Stream::up);
+  const double step = wander_wavelength * radius, whole = covered.back();
   const std::vector<Vec3d> straight = path;
   for (std::size_t i = 0; i < path.size(); ++i) {
     const Vec3d ahead = straight[std::min(i + 1, path.size() - 1)] - straight[i > 0 ? i - 1 : 0];
     const Vec3d across = normalized(Vec3d{-ahead.y, ahead.x, 0});
-    // The ends stay where they were asked for.
-    const double free =
-        std::min({covered[i] / step, (whole - covered[i]) / step, 1.0}) * p.wander * stroke.radius;
+    const double free = std::min({covered[i] / step, (whole - covered[i]) / step, 1.0}) * wander * radius;
     path[i] += across * (free * wave(sideways, covered[i] / step)) +
-               Vec3d{0, 0, 0.4 * free * wave(up, covered[i] / step)};
+               Vec3d{0, 0, rise * free * wave(up, covered[i] / step)};
   }
+}
+
+void apply(const Stroke& stroke, std::uint64_t seed, Dab& dab) {
+  Params p;
+  assign(params(), &p, stroke.values, "cave");
+  const double room = p.chamber_radius > 0 ? p.chamber_radius : room_radius * stroke.radius;
+  if (stroke.points.size() == 1)
+    return add_room(stroke.points[0], room, p.flatten, Random(seed, Stream::lone_room), dab);
+
+  auto path = sample_path(stroke.points, true, 0.2 * stroke.radius);
+  const std::vector<double> covered = ways(path);
+  const double whole = covered.back();
+  stray(path, covered, stroke.radius, p.wander, seed);
+  const Random width(seed, Stream::width);
   dab.tube(path, [&](double t) {
-    return stroke.radius * (1 + p.variation * wave(width, t * whole / (1.5 * stroke.radius)));
+    return stroke.radius * (1 + p.variation * wave(width, t * whole / (width_wavelength * stroke.radius)));
   });
   for (std::int64_t c = 0; c < p.chambers; ++c) {
     const double at = whole * (static_cast<double>(c) + 1) / (static_cast<double>(p.chambers) + 1);
     const auto i = std::lower_bound(covered.begin(), covered.end(), at) - covered.begin();
-    chamber(path[std::min(static_cast<std::size_t>(i), path.size() - 1)], room, p.flatten,
-            Random(seed, 5 + static_cast<std::uint64_t>(c)), dab);
+    const auto stream = static_cast<std::uint64_t>(Stream::first_room) + static_cast<std::uint64_t>(c);
+    add_room(path[std::min(i, std::ssize(path) - 1)], room, p.flatten, Random(seed, stream), dab);
   }
 }
 
 }  // namespace
 
 const BrushType& brush_cave() {
-  static const BrushType type = [] {
-    BrushType t;
-    t.about.name = "cave";
-    t.about.doc = "A passage of irregular width along a curve, with rooms; one point alone is a room";
-    t.about.source = "[Paris19 §8.2]";
-    t.about.params = params();
-    t.max_points = 10000;
-    t.apply = &apply;
-    return t;
-  }();
+  static const BrushType type{
+      .about = {.name = "cave",
+                .doc = "A passage of irregular width along a curve, with rooms; one point alone is a room",
+                .source = "[Paris19 §8.2]",
+                .params = params()},
+      .max_points = 10000,
+      .apply = apply,
+  };
   return type;
 }
 

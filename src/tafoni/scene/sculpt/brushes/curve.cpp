@@ -12,9 +12,10 @@ struct Params {
 const std::vector<ParamInfo>& params() {
   static const std::vector<ParamInfo> infos =
       ParamTable<Params>()
-          .boolean("smooth", &Params::smooth, "A Catmull-Rom curve through the points; else straight lines")
+          .boolean("smooth", &Params::smooth,
+                   "Draws a Catmull-Rom curve through the points; false joins them by straight lines")
           .real("end_radius", &Params::end_radius, "m", 0, 1e4,
-                "Radius at the last point; 0 keeps the radius");
+                "Radius at the last point, to which the radius goes evenly; 0 keeps the stroke's radius");
   return infos;
 }
 
@@ -29,17 +30,15 @@ void apply(const Stroke& stroke, std::uint64_t, Dab& dab) {
 }  // namespace
 
 const BrushType& brush_curve() {
-  static const BrushType type = [] {
-    BrushType t;
-    t.about.name = "curve";
-    t.about.doc = "A rough tunnel or ridge along a curve";
-    t.about.source = "[Paris19 §5.2, §8.2]";
-    t.about.params = params();
-    t.min_points = 2;
-    t.max_points = 10000;
-    t.apply = &apply;
-    return t;
-  }();
+  static const BrushType type{
+      .about = {.name = "curve",
+                .doc = "A rough tunnel or ridge along a curve",
+                .source = "[Paris19 §5.2, §8.2]",
+                .params = params()},
+      .min_points = 2,
+      .max_points = 10000,
+      .apply = apply,
+  };
   return type;
 }
 

@@ -6,9 +6,11 @@ namespace {
 const std::vector<ParamInfo>& params() {
   static const std::vector<ParamInfo> infos =
       ParamTable<Painting>()
-          .text("mask", &Painting::mask, "Name of the mask")
-          .real("hardness", &Painting::hardness, "", 0, 1, "Part of the radius that gets the full weight")
-          .boolean("erase", &Painting::erase, "Takes weight away");
+          .text("mask", &Painting::mask, "Name of the mask, as layers say it after paint:")
+          .real("hardness", &Painting::hardness, "", 0, 1,
+                "Part of the radius that gets the full weight: 1 paints a hard edge, 0 fades from the middle "
+                "on")
+          .boolean("erase", &Painting::erase, "Takes weight away in place of adding some");
   return infos;
 }
 
@@ -21,16 +23,14 @@ Painting paint(const Stroke& stroke) {
 }  // namespace
 
 const BrushType& brush_paint() {
-  static const BrushType type = [] {
-    BrushType t;
-    t.about.name = "paint";
-    t.about.doc = "Weight along a line, in a mask that layers take as mask = \"paint:NAME\"";
-    t.about.source = "[Paris19 §8.2]";
-    t.about.params = params();
-    t.max_points = 10000;
-    t.paint = &paint;
-    return t;
-  }();
+  static const BrushType type{
+      .about = {.name = "paint",
+                .doc = "Weight along a line, in a mask that layers take as mask = \"paint:NAME\"",
+                .source = "[Paris19 §8.2]",
+                .params = params()},
+      .max_points = 10000,
+      .paint = paint,
+  };
   return type;
 }
 

@@ -1,3 +1,5 @@
+// The stroke's points become anchors of one primitive each, or the vertices of one chain where the kind takes
+// a chain; the kind's own sizes are parameters of the brush.
 #include <algorithm>
 
 #include "tafoni/core/error.h"
@@ -12,8 +14,8 @@ struct Params {
 };
 
 const std::vector<ParamInfo>& params() {
-  static const std::vector<ParamInfo> infos =
-      ParamTable<Params>().text("kind", &Params::kind, "A registered primitive; see tafoni list primitives");
+  static const std::vector<ParamInfo> infos = ParamTable<Params>().text(
+      "kind", &Params::kind, "Name of a registered primitive; see tafoni list primitives");
   return infos;
 }
 
@@ -57,17 +59,16 @@ void apply(const Stroke& stroke, std::uint64_t, Dab& dab) {
 }  // namespace
 
 const BrushType& brush_skeletal() {
-  static const BrushType type = [] {
-    BrushType t;
-    t.about.name = "skeletal";
-    t.about.doc =
-        "One primitive of any registered kind at each point; a chain through the points for a curve";
-    t.about.source = "[Paris19 §5.2, §8.2]";
-    t.about.params = params();
-    t.more = &more;
-    t.apply = &apply;
-    return t;
-  }();
+  static const BrushType type{
+      .about =
+          {.name = "skeletal",
+           .doc =
+               "One primitive of any registered kind at each point; a chain through the points for a curve",
+           .source = "[Paris19 §5.2, §8.2]",
+           .params = params()},
+      .apply = apply,
+      .more = more,
+  };
   return type;
 }
 

@@ -10,14 +10,12 @@ void apply(const Stroke& stroke, std::uint64_t, Dab& dab) {
 }  // namespace
 
 const BrushType& brush_sphere() {
-  static const BrushType type = [] {
-    BrushType t;
-    t.about.name = "sphere";
-    t.about.doc = "A rough ball of rock or air at each point";
-    t.about.source = "[Paris19 §5.2, §8.2]";
-    t.apply = &apply;
-    return t;
-  }();
+  static const BrushType type{
+      .about = {.name = "sphere",
+                .doc = "A rough ball of rock or air at each point",
+                .source = "[Paris19 §5.2, §8.2]"},
+      .apply = apply,
+  };
   return type;
 }
 

@@ -1,3 +1,5 @@
+// A brush turns a stroke into primitives; those of a group that lie on one level and are alike in kind, size
+// and roughness share a cloud. The levels follow from which strokes overlap (sculpt.h).
 #include "tafoni/scene/sculpt/impl/sculpt.h"
 
 #include <algorithm>

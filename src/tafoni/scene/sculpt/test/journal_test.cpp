@@ -3,7 +3,6 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
-#include <thread>
 
 #include <gmock/gmock.h>
 #include <sqlite3.h>
@@ -45,6 +44,44 @@ pid_t in_another_process(const F& f) {
     ::_exit(1);
   }
   ::_exit(0);
+}
+
+int writes_left = 0;
+bool counting = false;
+
+void count_write() {
+  if (counting && writes_left-- == 0) ::raise(SIGKILL);
+}
+ssize_t write_at(int fd, const void* data, size_t bytes, off_t at) {
+  count_write();
+  return ::pwrite(fd, data, bytes, at);
+}
+ssize_t write_next(int fd, const void* data, size_t bytes) {
+  count_write();
+  return ::write(fd, data, bytes);
+}
+int remove_file(const char* path) {
+  count_write();
+  return ::unlink(path);
+}
+int shorten(int fd, off_t size) {
+  count_write();
+  return ::ftruncate(fd, size);
+}
+
+/// From now on SQLite changes files `n` times; before the next time this process kills itself.
+void die_after_writes(int n) {
+  sqlite3_vfs* files = sqlite3_vfs_find(nullptr);
+  const auto put = [&](const char* call, auto* function) {
+    files->xSetSystemCall(files, call, reinterpret_cast<sqlite3_syscall_ptr>(function));
+  };
+  put("pwrite64", write_at);
+  put("pwrite", write_at);
+  put("write", write_next);
+  put("unlink", remove_file);
+  put("ftruncate", shorten);
+  writes_left = n;
+  counting = true;
 }
 
 class JournalFile : public ::testing::Test {
@@ -140,39 +177,44 @@ TEST_F(JournalFile, MutesOneStroke) {
   EXPECT_THAT(failure([&] { j.mute(3, true); }), HasSubstr("has no stroke 3"));
 }
 
-TEST_F(JournalFile, KilledAtAnyMomentItLosesTheStrokeInFlightAlone) {
-  int most = 0;
-  for (int round = 0; round < 8; ++round) {
+TEST_F(JournalFile, KilledBeforeAnyOfItsWritesItLosesTheStrokeInFlightAlone) {
+  constexpr int rounds = 24;  // a stroke takes fewer writes than half of that
+  int most = 0, in_flight = 0;
+  for (int writes = 0; writes < rounds; ++writes) {
     const int before = static_cast<int>(fs::exists(file) ? Journal::open(file).strokes().size() : 0);
     int ready[2];
     ASSERT_EQ(::pipe(ready), 0);
     const pid_t child = ::fork();
     ASSERT_GE(child, 0);
     if (child == 0) {
-      // Says which stroke is on the disk; then goes on until it is killed.
+      // Says which stroke is on the disk; then goes on until it kills itself.
       Journal j = Journal::open_or_create(file);
       for (int i = before;; ++i) {
+        if (i == before + 2) die_after_writes(writes);
         j.append(numbered(i));
         if (::write(ready[1], &i, sizeof(i)) != sizeof(i)) ::_exit(1);
       }
     }
     ::close(ready[1]);
-    int stored = before - 1, next = 0;
-    for (int i = 0; i < 6 && ::read(ready[0], &next, sizeof(next)) == sizeof(next); ++i) stored = next;
-    std::this_thread::sleep_for(std::chrono::microseconds(300 * round));
-    ::kill(child, SIGKILL);
+    int stored = before - 1, next = 0, status = 0;
     while (::read(ready[0], &next, sizeof(next)) == sizeof(next)) stored = next;
-    ::waitpid(child, nullptr, 0);
+    ::waitpid(child, &status, 0);
     ::close(ready[0]);
+    ASSERT_TRUE(WIFSIGNALED(status));
+    ASSERT_EQ(WTERMSIG(status), SIGKILL);
+    in_flight += stored == before + 1;
 
     Journal j = Journal::open(file);
     const auto found = numbers(j);
-    ASSERT_GE(static_cast<int>(found.size()), stored + 1);
-    ASSERT_LE(static_cast<int>(found.size()), stored + 2);
-    for (int i = 0; i < static_cast<int>(found.size()); ++i) ASSERT_EQ(found[static_cast<std::size_t>(i)], i);
+    ASSERT_GE(std::ssize(found), stored + 1);
+    ASSERT_LE(std::ssize(found), stored + 2);
+    for (int i = 0; i < std::ssize(found); ++i) ASSERT_EQ(found[i], i);
     most = static_cast<int>(found.size());
   }
-  EXPECT_GT(most, 8);
+  EXPECT_GE(most, 2 * rounds);
+  // It died at several places of one stroke, and within later ones.
+  EXPECT_GT(in_flight, 3);
+  EXPECT_LT(in_flight, rounds);
 }
 
 TEST_F(JournalFile, TwoProcessesAppendToOneHistory) {
