@@ -1,3 +1,6 @@
+// Writes a file under a temporary name beside its target through a buffer, and renames it when it is
+// complete.
+
 #include "tafoni/core/atomic_file.h"
 
 #include <atomic>

@@ -3,7 +3,6 @@
 
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include <fmt/core.h>
 
@@ -29,9 +28,13 @@ class Error : public std::runtime_error {
   ErrorKind kind_;
 };
 
+/// fail() for what has been made ready, so that callers hold no more than a call.
+[[noreturn]] void fail_with(ErrorKind kind, fmt::string_view text, fmt::format_args args);
+
+/// Throws Error with the sentence that `text` and `args` make, as fmt::format() writes it.
 template <class... Args>
 [[noreturn]] void fail(ErrorKind kind, fmt::format_string<Args...> text, Args&&... args) {
-  throw Error(kind, fmt::format(text, std::forward<Args>(args)...));
+  fail_with(kind, text, fmt::make_format_args(args...));
 }
 
 }  // namespace tafoni

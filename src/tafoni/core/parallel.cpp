@@ -1,3 +1,6 @@
+// Parallel loops: every loop runs in one arena that has as many threads as were asked for, and stops at the
+// first exception or at a cancel.
+
 #include "tafoni/core/parallel.h"
 
 #include <algorithm>

@@ -1,3 +1,6 @@
+// Values are checked against what a parameter allows, then stored where its member lies in the struct. Every
+// message names where the value came from, the parameter, and what it may be.
+
 #include "tafoni/core/params.h"
 
 #include <algorithm>
@@ -135,6 +138,16 @@ Value checked_rows(const ParamInfo& info, const Value& value, std::string_view w
   return out;
 }
 
+/// Where a parameter of the struct `object` lies, of the type that goes with its kind.
+template <class M>
+const M& member_of(const void* object, const ParamInfo& info) {
+  return *reinterpret_cast<const M*>(static_cast<const unsigned char*>(object) + info.offset);
+}
+template <class M>
+M& member_of(void* object, const ParamInfo& info) {
+  return *reinterpret_cast<M*>(static_cast<unsigned char*>(object) + info.offset);
+}
+
 /// Edit distance with swaps of neighbours counted as one (optimal string alignment).
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
@@ -185,6 +198,62 @@ std::string row_text(const Row& row) {
 }
 
 }  // namespace
+
+Value ParamInfo::load(const ParamInfo& info, const void* object) {
+  switch (info.kind) {
+    case ValueKind::boolean:
+      return member_of<bool>(object, info);
+    case ValueKind::integer:
+      return member_of<std::int64_t>(object, info);
+    case ValueKind::real:
+      return member_of<double>(object, info);
+    case ValueKind::text:
+    case ValueKind::choice:
+      return member_of<std::string>(object, info);
+    case ValueKind::numbers:
+      return member_of<std::vector<double>>(object, info);
+    case ValueKind::rows:
+      break;
+  }
+  return member_of<Rows>(object, info);
+}
+
+void ParamInfo::store(const ParamInfo& info, void* object, const Value& value) {
+  std::visit([&]<class M>(const M& v) { member_of<M>(object, info) = v; }, value);
+}
+
+ParamInfo& ParamList::add(std::string_view name, ValueKind kind, const void* object, const void* member,
+                          std::string_view doc) {
+  ParamInfo& info = infos_.emplace_back();
+  info.name = name;
+  info.doc = doc;
+  info.kind = kind;
+  info.offset = static_cast<const unsigned char*>(member) - static_cast<const unsigned char*>(object);
+  info.init = ParamInfo::load(info, object);
+  return info;
+}
+
+void ParamList::add_numbers(std::string_view name, ValueKind kind, const void* object, const void* member,
+                            std::string_view unit, std::size_t count, double min, double max,
+                            std::string_view doc) {
+  ParamInfo& info = add(name, kind, object, member, doc);
+  info.unit = unit;
+  info.count = count;
+  info.min = min;
+  info.max = max;
+}
+
+void ParamList::add_rows(std::string_view name, const void* object, const void* member,
+                         std::vector<ParamInfo> columns, std::string_view doc) {
+  ParamInfo& info = add(name, ValueKind::rows, object, member, doc);
+  info.columns = std::move(columns);
+  info.init = checked(info, info.init, "default");
+}
+
+void ParamList::limit_last(std::string_view when, Values with) {
+  infos_.back().only = when;
+  infos_.back().only_with = std::move(with);
+}
 
 ParamInfo column(std::string name, std::string init, std::string doc) {
   ParamInfo info;
@@ -311,11 +380,11 @@ Value parsed(const ParamInfo& info, std::string_view raw, std::string_view where
 void assign(std::span<const ParamInfo> infos, void* object, const Values& values, std::string_view where) {
   for (const auto& [name, value] : values) {
     const ParamInfo& info = find_param(infos, name, where);
-    info.store(info, object, checked(info, value, where));
+    ParamInfo::store(info, object, checked(info, value, where));
   }
   for (const ParamInfo& info : infos)
     if (info.kind == ValueKind::rows && !values.contains(info.name))
-      info.store(info, object, checked(info, info.load(info, object), where));
+      ParamInfo::store(info, object, checked(info, ParamInfo::load(info, object), where));
 }
 
 const ParamInfo& find_param(std::span<const ParamInfo> infos, std::string_view name, std::string_view where) {

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -37,41 +38,82 @@ struct ParamInfo {
   std::string only = {};
   /// What the other parameters are set to so that it has one, where values can bring that about.
   Values only_with = {};
-  void (*store)(const ParamInfo&, void* object, const Value&) = nullptr;
-  Value (*load)(const ParamInfo&, const void* object) = nullptr;
-  alignas(8) unsigned char member[16] = {};  ///< the member pointer, as bytes; see ParamTable
+  std::size_t offset = 0;  ///< of the member in its struct, bytes
+
+  /// What `object`, a struct that has the parameter `info`, holds of it, and sets it. `value` has been
+  /// checked.
+  static Value load(const ParamInfo& info, const void* object);
+  static void store(const ParamInfo& info, void* object, const Value& value);
+};
+
+/// What ParamTable does for every struct alike, so that it is compiled once.
+class ParamList {
+ public:
+  const std::vector<ParamInfo>& infos() const { return infos_; }
+  operator std::vector<ParamInfo>() const { return infos_; }
+
+ protected:
+  /// `member`, of a type that goes with `kind`, lies in `object`, which has the defaults.
+  ParamInfo& add(std::string_view name, ValueKind kind, const void* object, const void* member,
+                 std::string_view doc);
+  void add_numbers(std::string_view name, ValueKind kind, const void* object, const void* member,
+                   std::string_view unit, std::size_t count, double min, double max, std::string_view doc);
+  void add_rows(std::string_view name, const void* object, const void* member, std::vector<ParamInfo> columns,
+                std::string_view doc);
+  void limit_last(std::string_view when, Values with);
+
+ private:
+  std::vector<ParamInfo> infos_;
 };
 
 /// The parameters of the plain struct P. Built once, in the file that declares P.
 template <class P>
-class ParamTable {
+class ParamTable : public ParamList {
  public:
-  ParamTable& real(std::string name, double P::*member, std::string unit, double min, double max,
-                   std::string doc);
-  ParamTable& integer(std::string name, std::int64_t P::*member, std::string unit, std::int64_t min,
-                      std::int64_t max, std::string doc);
-  ParamTable& boolean(std::string name, bool P::*member, std::string doc);
-  ParamTable& text(std::string name, std::string P::*member, std::string doc);
-  ParamTable& choice(std::string name, std::string P::*member, std::vector<std::string> choices,
-                     std::string doc);
-  ParamTable& numbers(std::string name, std::vector<double> P::*member, std::string unit, std::size_t count,
-                      double min, double max, std::string doc);
-  /// A table of text; see column(). In a scene file [[layer.NAME]], once a row, or an array of inline tables.
-  ParamTable& rows(std::string name, Rows P::*member, std::vector<ParamInfo> columns, std::string doc);
-  /// Says of the parameter declared last that it does nothing but `when`; `with` brings that case about. A
-  /// parameter without it must change what is made (a test over the registries sets each).
-  ParamTable& only(std::string when, Values with = {}) {
-    infos_.back().only = std::move(when);
-    infos_.back().only_with = std::move(with);
+  ParamTable& real(std::string_view name, double P::*member, std::string_view unit, double min, double max,
+                   std::string_view doc) {
+    add_numbers(name, ValueKind::real, &defaults_, &(defaults_.*member), unit, 0, min, max, doc);
     return *this;
   }
-  const std::vector<ParamInfo>& infos() const { return infos_; }
-  operator std::vector<ParamInfo>() const { return infos_; }
+  ParamTable& integer(std::string_view name, std::int64_t P::*member, std::string_view unit, std::int64_t min,
+                      std::int64_t max, std::string_view doc) {
+    add_numbers(name, ValueKind::integer, &defaults_, &(defaults_.*member), unit, 0, static_cast<double>(min),
+                static_cast<double>(max), doc);
+    return *this;
+  }
+  ParamTable& boolean(std::string_view name, bool P::*member, std::string_view doc) {
+    add(name, ValueKind::boolean, &defaults_, &(defaults_.*member), doc);
+    return *this;
+  }
+  ParamTable& text(std::string_view name, std::string P::*member, std::string_view doc) {
+    add(name, ValueKind::text, &defaults_, &(defaults_.*member), doc);
+    return *this;
+  }
+  ParamTable& choice(std::string_view name, std::string P::*member, std::vector<std::string> choices,
+                     std::string_view doc) {
+    add(name, ValueKind::choice, &defaults_, &(defaults_.*member), doc).choices = std::move(choices);
+    return *this;
+  }
+  ParamTable& numbers(std::string_view name, std::vector<double> P::*member, std::string_view unit,
+                      std::size_t count, double min, double max, std::string_view doc) {
+    add_numbers(name, ValueKind::numbers, &defaults_, &(defaults_.*member), unit, count, min, max, doc);
+    return *this;
+  }
+  /// A table of text; see column(). In a scene file [[layer.NAME]], once a row, or an array of inline tables.
+  ParamTable& rows(std::string_view name, Rows P::*member, std::vector<ParamInfo> columns,
+                   std::string_view doc) {
+    add_rows(name, &defaults_, &(defaults_.*member), std::move(columns), doc);
+    return *this;
+  }
+  /// Says of the parameter declared last that it does nothing but `when`; `with` brings that case about. A
+  /// parameter without it must change what is made (a test over the registries sets each).
+  ParamTable& only(std::string_view when, Values with = {}) {
+    limit_last(when, std::move(with));
+    return *this;
+  }
 
  private:
-  template <class M>
-  ParamInfo& add(std::string name, M P::*member, std::string doc, ValueKind kind);
-  std::vector<ParamInfo> infos_;
+  P defaults_{};
 };
 
 /// A column of ParamTable::rows(): any text. `init` is the text of a row that says nothing, or of
@@ -114,5 +156,3 @@ std::string to_toml(const Value& value);
 std::string allowed(const ParamInfo& info);
 
 }  // namespace tafoni
-
-#include "tafoni/core/impl/params.inl.h"

@@ -29,7 +29,7 @@ TEST_P(Threads, EveryItemOnceAndCounted) {
   std::vector<std::atomic<int>> hits(1000);
   progress.begin("count", hits.size());
   parallel_for(
-      1000, [&](std::int64_t i) { ++hits[static_cast<std::size_t>(i)]; }, progress);
+      1000, [&](std::int64_t i) { ++hits[i]; }, progress);
   for (const auto& hit : hits) EXPECT_EQ(hit.load(), 1);
   EXPECT_EQ(progress.most.load(), 1000u);
 }
@@ -51,11 +51,11 @@ TEST_P(Threads, AnItemThatWaitsForAnInnerLoopIsNotInterruptedByAnotherItem) {
 
 TEST_P(Threads, BlocksTileTheRange) {
   for (const std::int64_t n : {0, 1, 9, 10, 11, 1003}) {
-    std::vector<std::atomic<int>> hits(static_cast<std::size_t>(n));
+    std::vector<std::atomic<int>> hits(n);
     parallel_blocks(n, 10, [&](std::int64_t begin, std::int64_t end) {
       EXPECT_LE(end - begin, 10);
       EXPECT_LT(begin, end);
-      for (std::int64_t i = begin; i < end; ++i) ++hits[static_cast<std::size_t>(i)];
+      for (std::int64_t i = begin; i < end; ++i) ++hits[i];
     });
     for (const auto& hit : hits) EXPECT_EQ(hit.load(), 1);
   }
