@@ -1,3 +1,5 @@
+// Floats to 16 bits and back over SIMD lanes, in scalar code where the instruction set has no conversion.
+
 #include "tafoni/math/half.h"
 
 #undef HWY_TARGET_INCLUDE

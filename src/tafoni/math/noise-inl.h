@@ -100,7 +100,9 @@ TAFONI_LANES_INLINE Lanes simplex_lanes(Lanes x, Lanes y, Lanes z, const NoiseCe
 }
 
 /// Normalised fBm in [-1, 1]: sum of 2^-k simplex(2^k q) over the sum of 2^-k. `grad` as above.
-TAFONI_LANES_INLINE Lanes fbm_lanes(Vec3N<Lanes> q, NoiseCell cell, int octaves, std::uint32_t seed,
+/// One copy an instruction set: beside its octaves a call costs nothing, and copies in every kernel would be
+/// most of what there is to compile.
+HWY_NOINLINE inline Lanes fbm_lanes(Vec3N<Lanes> q, NoiseCell cell, int octaves, std::uint32_t seed,
                                     Vec3N<Lanes>* grad) {
   Lanes sum(0.f);
   Vec3N<Lanes> g{Lanes(0.f), Lanes(0.f), Lanes(0.f)};

@@ -1,3 +1,6 @@
+// Noise at points: the kernels of noise-inl.h, eight points or fewer at a time, for the instruction set at
+// hand.
+
 #include "tafoni/math/noise.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
@@ -58,6 +59,18 @@ inline Vec3f to_float(Vec3d a) {
 }
 inline Vec3d to_double(Vec3f a) {
   return {a.x, a.y, a.z};
+}
+constexpr Vec3d to_double(Vec3i a) {
+  return {static_cast<double>(a.x), static_cast<double>(a.y), static_cast<double>(a.z)};
+}
+
+/// How many samples a lattice of n.x by n.y by n.z has.
+constexpr std::size_t sample_count(Vec3i n) {
+  return static_cast<std::size_t>(n.x) * n.y * n.z;
+}
+/// Where sample `at` of such a lattice lies in an array of all: x runs fastest, then y.
+constexpr std::size_t sample_index(Vec3i n, Vec3i at) {
+  return (static_cast<std::size_t>(at.z) * n.y + at.y) * n.x + at.x;
 }
 
 /// Axis-aligned closed box; the default is empty and absorbs points by expand().

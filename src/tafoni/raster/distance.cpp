@@ -1,3 +1,6 @@
+// Distances to the border of a mask, exactly: along columns, then along rows by the lower envelope of
+// parabolas; and distances to rings, stamped edge by edge.
+
 #include "tafoni/raster/distance.h"
 
 #include <algorithm>
@@ -17,10 +20,10 @@ Grid<float> column_distances(const Grid<std::uint8_t>& mask, double dy, bool ins
   Grid<float> out(width, height, std::numeric_limits<float>::infinity());
   const auto far = [&](int col, int row) { return (mask.at(col, row) != 0) == inside; };
   parallel_blocks(width, 64, [&](std::int64_t first, std::int64_t last) {
-    std::vector<float> gap(static_cast<std::size_t>(last - first), std::numeric_limits<float>::infinity());
+    std::vector<float> gap(last - first, std::numeric_limits<float>::infinity());
     const auto sweep = [&](int row) {
       for (int col = static_cast<int>(first); col < last; ++col) {
-        float& rows = gap[static_cast<std::size_t>(col - first)];
+        float& rows = gap[col - first];
         rows = far(col, row) ? rows + 1 : 0;
         const float distance = rows > 0 ? (rows - 0.5f) * static_cast<float>(dy) : 0.0f;
         out.at(col, row) = std::min(out.at(col, row), distance);
@@ -37,21 +40,18 @@ Grid<float> column_distances(const Grid<std::uint8_t>& mask, double dy, bool ins
 /// parabolas stand on the edges between pixels: edge e lies at e - 0.5.
 class RowEnvelope {
  public:
-  explicit RowEnvelope(int width)
-      : edge_height_(static_cast<std::size_t>(width) + 1),
-        apex_(static_cast<std::size_t>(width) + 1),
-        from_(static_cast<std::size_t>(width) + 2) {}
+  explicit RowEnvelope(int width) : edge_height_(width + 1), apex_(width + 1), from_(width + 2) {}
 
   void distances(const float* column, int width, double dx, float* out) {
     build(column, width, dx);
     std::size_t k = 0;
     for (int x = 0; x < width; ++x) {
-      const double own = static_cast<double>(column[x]);
+      const double own = column[x];
       double best = own * own;
       if (count_ > 0) {
         while (k + 1 < count_ && from_[k + 1] < x) ++k;
         const double across = (x - apex_[k] + 0.5) * dx;
-        best = std::min(best, across * across + edge_height_[static_cast<std::size_t>(apex_[k])]);
+        best = std::min(best, across * across + edge_height_[apex_[k]]);
       }
       out[x] = static_cast<float>(std::sqrt(best));
     }
@@ -62,9 +62,9 @@ class RowEnvelope {
     count_ = 0;
     for (int e = 0; e <= width; ++e) {
       double g = infinity;
-      if (e > 0) g = static_cast<double>(column[e - 1]);
-      if (e < width) g = std::min(g, static_cast<double>(column[e]));
-      edge_height_[static_cast<std::size_t>(e)] = g * g;
+      if (e > 0) g = column[e - 1];
+      if (e < width) g = std::min<double>(g, column[e]);
+      edge_height_[e] = g * g;
       if (g == infinity) continue;
       double start = -infinity;
       while (count_ > 0) {
@@ -80,8 +80,8 @@ class RowEnvelope {
   }
   /// Where the parabola of edge b comes below that of edge a < b, in pixels.
   double crossing(int a, int b, double dx) const {
-    const double ha = edge_height_[static_cast<std::size_t>(a)] / (dx * dx);
-    const double hb = edge_height_[static_cast<std::size_t>(b)] / (dx * dx);
+    const double ha = edge_height_[a] / (dx * dx);
+    const double hb = edge_height_[b] / (dx * dx);
     const double xa = a - 0.5, xb = b - 0.5;
     return ((hb + xb * xb) - (ha + xa * xa)) / (2 * (xb - xa));
   }
@@ -106,7 +106,7 @@ std::vector<Edge> edges_of(const std::vector<std::vector<Vec2d>>& rings) {
 /// 1 where the pixel's centre is inside by the even-odd rule.
 Grid<std::uint8_t> even_odd(const std::vector<Edge>& edges, const Placement& placement, int width,
                             int height) {
-  std::vector<std::vector<double>> crossings(static_cast<std::size_t>(height));
+  std::vector<std::vector<double>> crossings(height);
   for (const Edge& edge : edges) {
     const double top = placement.pixel(0, std::max(edge.a.y, edge.b.y)).y;
     const double bottom = placement.pixel(0, std::min(edge.a.y, edge.b.y)).y;
@@ -115,13 +115,12 @@ Grid<std::uint8_t> even_odd(const std::vector<Edge>& edges, const Placement& pla
     for (int row = first; row <= last; ++row) {
       const double y = placement.center(0, row).y;
       if ((edge.a.y > y) == (edge.b.y > y)) continue;
-      crossings[static_cast<std::size_t>(row)].push_back(edge.a.x + (y - edge.a.y) / (edge.b.y - edge.a.y) *
-                                                                        (edge.b.x - edge.a.x));
+      crossings[row].push_back(edge.a.x + (y - edge.a.y) / (edge.b.y - edge.a.y) * (edge.b.x - edge.a.x));
     }
   }
   Grid<std::uint8_t> mask(width, height);
   for (int row = 0; row < height; ++row) {
-    auto& xs = crossings[static_cast<std::size_t>(row)];
+    auto& xs = crossings[row];
     std::sort(xs.begin(), xs.end());
     std::size_t passed = 0;
     for (int col = 0; col < width; ++col) {
@@ -173,19 +172,18 @@ void stamp(const Edge& edge, const Placement& placement, double band, Grid<float
 
 Grid<float> signed_distance(const Grid<std::uint8_t>& mask, double dx, double dy, Progress& progress) {
   Grid<float> out(mask.width(), mask.height());
-  progress.begin("distance", 2 * static_cast<std::uint64_t>(mask.height()), "rows");
+  progress.begin("distance", 2 * mask.height(), "rows");
   for (const bool inside : {true, false}) {
     const Grid<float> columns = column_distances(mask, dy, inside);
     constexpr std::int64_t rows_a_block = 16;
     parallel_blocks(mask.height(), rows_a_block, [&](std::int64_t first, std::int64_t last) {
       RowEnvelope envelope(mask.width());
-      std::vector<float> distances(static_cast<std::size_t>(mask.width()));
+      std::vector<float> distances(mask.width());
       for (int row = static_cast<int>(first); row < last; ++row) {
         envelope.distances(columns.row(row), mask.width(), dx, distances.data());
         for (int col = 0; col < mask.width(); ++col)
           if ((mask.at(col, row) != 0) == inside)
-            out.at(col, row) =
-                inside ? distances[static_cast<std::size_t>(col)] : -distances[static_cast<std::size_t>(col)];
+            out.at(col, row) = inside ? distances[col] : -distances[col];
         progress.advance();
       }
     });

@@ -1,3 +1,6 @@
+// Fills holes: a membrane from coarse grids to fine ones, then for each hole by itself a thin plate, relaxed
+// until it is at rest.
+
 #include "tafoni/raster/fill.h"
 
 #include <algorithm>
@@ -30,9 +33,9 @@ void fill_membrane(Grid<float>& grid, const impl::Stencil& stencil, Progress& pr
   const std::vector<Pixel> missing = missing_pixels(grid);
   if (missing.empty()) return;
   progress.check();
-  Grid<float> half = impl::halved(grid);
+  Grid<float> half = impl::halve(grid);
   fill_membrane(half, stencil, progress);
-  for (const Pixel p : missing) grid.at(p.col, p.row) = impl::doubled(half, p.col, p.row);
+  for (const Pixel p : missing) grid.at(p.col, p.row) = impl::sample_half(half, p.col, p.row);
   constexpr int sweeps = 12;
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     progress.check();
@@ -138,9 +141,8 @@ FillReport fill_holes(Raster& raster, double distance, Progress& progress) {
     for (int col = 0; col < grid.width(); ++col) {
       if (valid.at(col, row) || seen.at(col, row)) continue;
       auto hole = hole_from({col, row}, grid, seen);
-      const bool small = std::all_of(hole.begin(), hole.end(), [&](Pixel p) {
-        return -static_cast<double>(away.at(p.col, p.row)) <= distance;
-      });
+      const bool small =
+          std::all_of(hole.begin(), hole.end(), [&](Pixel p) { return -away.at(p.col, p.row) <= distance; });
       if (small) holes.push_back(std::move(hole));
     }
   progress.begin("fill holes", holes.size(), "holes");

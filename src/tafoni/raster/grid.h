@@ -18,9 +18,7 @@ class Grid {
  public:
   Grid() = default;
   Grid(int width, int height, T fill = T{})
-      : width_(width),
-        height_(height),
-        data_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill) {}
+      : width_(width), height_(height), data_(static_cast<std::size_t>(width) * height, fill) {}
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -29,9 +27,7 @@ class Grid {
   bool inside(int col, int row) const { return col >= 0 && row >= 0 && col < width_ && row < height_; }
   T& at(int col, int row) { return data_[index(col, row)]; }
   const T& at(int col, int row) const { return data_[index(col, row)]; }
-  std::size_t index(int col, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(col);
-  }
+  std::size_t index(int col, int row) const { return static_cast<std::size_t>(row) * width_ + col; }
   T* data() { return data_.data(); }
   const T* data() const { return data_.data(); }
   T* row(int r) { return data_.data() + index(0, r); }
@@ -62,6 +58,8 @@ struct Raster {
 
   int width() const { return values.width(); }
   int height() const { return values.height(); }
+  /// The elevation of a pixel, ready to compute with in double.
+  double at(int col, int row) const { return values.at(col, row); }
 };
 
 inline constexpr float no_data = std::numeric_limits<float>::quiet_NaN();

@@ -1,3 +1,6 @@
+// Samples a raster bilinearly or by Catmull-Rom, leaving out pixels without data, and resamples whole rasters
+// by that or by averages over areas.
+
 #include "tafoni/raster/resample.h"
 
 #include <algorithm>
@@ -5,6 +8,7 @@
 #include <cmath>
 
 #include "tafoni/core/parallel.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::raster {
 namespace {
@@ -15,7 +19,7 @@ struct Split {
   double fraction;
 };
 Split split(double position, int count) {
-  const double clamped = std::clamp(position, 0.0, static_cast<double>(count - 1));
+  const double clamped = std::clamp(position, 0.0, count - 1.0);
   const int index = std::min(static_cast<int>(clamped), std::max(count - 2, 0));
   return {index, clamped - index};
 }
@@ -35,7 +39,7 @@ double bilinear(const Grid<float>& grid, Split x, Split y) {
   const auto add = [&](int col, int row, double w) {
     const float value = grid.at(col, row);
     if (std::isnan(value)) return;
-    sum += w * static_cast<double>(value);
+    sum += w * value;
     weight += w;
   };
   add(x.index, y.index, (1 - x.fraction) * (1 - y.fraction));
@@ -51,10 +55,8 @@ double bicubic(const Grid<float>& grid, Split x, Split y) {
   for (int j = 0; j < 4; ++j) {
     const float* row = grid.row(std::clamp(y.index + j - 1, 0, grid.height() - 1));
     double line = 0;
-    for (int i = 0; i < 4; ++i)
-      line += wx[static_cast<std::size_t>(i)] *
-              static_cast<double>(row[std::clamp(x.index + i - 1, 0, grid.width() - 1)]);
-    sum += wy[static_cast<std::size_t>(j)] * line;
+    for (int i = 0; i < 4; ++i) line += wx[i] * row[std::clamp(x.index + i - 1, 0, grid.width() - 1)];
+    sum += wy[j] * line;
   }
   return std::isnan(sum) ? bilinear(grid, x, y) : sum;
 }
@@ -68,8 +70,8 @@ struct Cover {
   }
 };
 Cover cover(double begin, double end, int count) {
-  const int first = std::clamp(static_cast<int>(std::floor(begin)), 0, count - 1);
-  const int last = std::clamp(static_cast<int>(std::ceil(end)) - 1, first, count - 1);
+  const int first = std::clamp(floor_to(begin), 0, count - 1);
+  const int last = std::clamp(ceil_to(end) - 1, first, count - 1);
   return {first, last, begin, end};
 }
 
@@ -80,7 +82,7 @@ float average(const Grid<float>& grid, const Cover& x, const Cover& y) {
       const float value = grid.at(col, row);
       const double w = x.weight(col) * y.weight(row);
       if (std::isnan(value)) continue;
-      sum += w * static_cast<double>(value);
+      sum += w * value;
       weight += w;
     }
   const double whole = (x.end - x.begin) * (y.end - y.begin);
@@ -103,7 +105,7 @@ Raster resample(const Raster& source, const Placement& placement, int width, int
                 Progress& progress) {
   Raster out{Grid<float>(width, height), placement, source.crs};
   const Placement& from = source.placement;
-  progress.begin("resample", static_cast<std::uint64_t>(height), "rows");
+  progress.begin("resample", height, "rows");
   parallel_for(
       height,
       [&](std::int64_t r) {
@@ -132,8 +134,8 @@ Raster resample(const Raster& source, const Placement& placement, int width, int
 
 Raster at_resolution(const Raster& source, double pixel, Progress& progress) {
   const Placement& from = source.placement;
-  const int width = std::max(1, static_cast<int>(std::lround(source.width() * from.dx / pixel)));
-  const int height = std::max(1, static_cast<int>(std::lround(source.height() * from.dy / pixel)));
+  const int width = std::max(1, round_to(source.width() * from.dx / pixel));
+  const int height = std::max(1, round_to(source.height() * from.dy / pixel));
   const bool coarser = pixel > from.dx || pixel > from.dy;
   return resample(source, {from.west, from.north, pixel, pixel}, width, height,
                   coarser ? Resampling::average : Resampling::bicubic, progress);

@@ -1,3 +1,6 @@
+// Finds the step of quantized heights from the differences of neighbours, and takes terraces out: a plate is
+// relaxed, coarse grids first, within half a step of every height.
+
 #include "tafoni/raster/steps.h"
 
 #include <algorithm>
@@ -39,7 +42,7 @@ void sweep_plate(Grid<float>& plate, const Grid<float>& heights, float slack, co
     for (int col = first; col < plate.width(); col += kinds) {
       const float h = heights.at(col, row);
       if (std::isnan(h)) continue;
-      const double old = static_cast<double>(plate.at(col, row));
+      const double old = plate.at(col, row);
       const auto next = static_cast<float>(old + over * (stencil.plate(plate, col, row) - old));
       if (!std::isnan(next)) plate.at(col, row) = std::clamp(next, h - slack, h + slack);
     }
@@ -60,12 +63,12 @@ Grid<float> plate_over(const Grid<float>& heights, float slack, const impl::Sten
   Grid<float> plate = heights;
   constexpr int levels = 8, smallest = 8;
   if (level < levels && heights.width() > smallest && heights.height() > smallest) {
-    const Grid<float> half = plate_over(impl::halved(heights), slack, stencil, level + 1, progress);
+    const Grid<float> half = plate_over(impl::halve(heights), slack, stencil, level + 1, progress);
     for (int row = 0; row < plate.height(); ++row)
       for (int col = 0; col < plate.width(); ++col) {
         const float h = heights.at(col, row);
         if (!std::isnan(h))
-          plate.at(col, row) = std::clamp(impl::doubled(half, col, row), h - slack, h + slack);
+          plate.at(col, row) = std::clamp(impl::sample_half(half, col, row), h - slack, h + slack);
       }
   }
   const int sweeps = level == 0 ? 16 : 60;
@@ -102,7 +105,7 @@ double detect_step(const Grid<float>& heights) {
   const std::size_t unequal = differences.size() - equal;
   const bool quantized = multiple * 100 >= unequal * 99;
   const bool terraced = equal * 4 >= differences.size() && single * 10 >= unequal * 3;
-  return quantized && terraced ? static_cast<double>(step) : 0;
+  return quantized && terraced ? step : 0.0;
 }
 
 void remove_steps(Raster& raster, double step, Progress& progress) {

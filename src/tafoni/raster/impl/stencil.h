@@ -25,7 +25,7 @@ class Stencil {
     double sum = 0, weight = 0;
     const auto add = [&](int c, int r, double w) {
       if (!g.inside(c, r) || std::isnan(g.at(c, r))) return;
-      sum += w * static_cast<double>(g.at(c, r));
+      sum += w * g.at(c, r);
       weight += w;
     };
     add(col - 1, row, wx_);
@@ -41,7 +41,7 @@ class Stencil {
     if (col < 2 || row < 2 || col + 2 >= g.width() || row + 2 >= g.height()) return membrane(g, col, row);
     const T* p = g.row(row) + col;
     const std::ptrdiff_t w = g.width();
-    const auto v = [p](std::ptrdiff_t i) { return static_cast<double>(p[i]); };
+    const auto v = [p](std::ptrdiff_t i) -> double { return p[i]; };
     const double rest = east_ * (v(-1) + v(1)) + north_ * (v(-w) + v(w)) -
                         diagonal_ * (v(-w - 1) + v(-w + 1) + v(w - 1) + v(w + 1)) -
                         wx_ * wx_ * (v(-2) + v(2)) - wy_ * wy_ * (v(-2 * w) + v(2 * w));
@@ -53,7 +53,7 @@ class Stencil {
 };
 
 /// Half the resolution, rounded up: the mean of up to four finite pixels, NaN where there is none.
-inline Grid<float> halved(const Grid<float>& g) {
+inline Grid<float> halve(const Grid<float>& g) {
   Grid<float> half((g.width() + 1) / 2, (g.height() + 1) / 2, no_data);
   for (int row = 0; row < half.height(); ++row)
     for (int col = 0; col < half.width(); ++col) {
@@ -62,7 +62,7 @@ inline Grid<float> halved(const Grid<float>& g) {
       for (int j = 0; j < 2; ++j)
         for (int i = 0; i < 2; ++i) {
           if (!g.inside(2 * col + i, 2 * row + j) || std::isnan(g.at(2 * col + i, 2 * row + j))) continue;
-          sum += static_cast<double>(g.at(2 * col + i, 2 * row + j));
+          sum += g.at(2 * col + i, 2 * row + j);
           ++count;
         }
       if (count > 0) half.at(col, row) = static_cast<float>(sum / count);
@@ -71,14 +71,14 @@ inline Grid<float> halved(const Grid<float>& g) {
 }
 
 /// The bilinear value of the half-resolution grid at a pixel of the full one. NaN neighbours take no part.
-inline float doubled(const Grid<float>& half, int col, int row) {
+inline float sample_half(const Grid<float>& half, int col, int row) {
   const int c = col / 2, r = row / 2;
   const int c2 = std::clamp(c + (col % 2 ? 1 : -1), 0, half.width() - 1);
   const int r2 = std::clamp(r + (row % 2 ? 1 : -1), 0, half.height() - 1);
   double sum = 0, weight = 0;
   const auto add = [&](int i, int j, double w) {
     if (std::isnan(half.at(i, j))) return;
-    sum += w * static_cast<double>(half.at(i, j));
+    sum += w * half.at(i, j);
     weight += w;
   };
   add(c, r, 9);
