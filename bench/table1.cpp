@@ -21,6 +21,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/field/chunks.h"
 #include "tafoni/field/compiled.h"
 #include "tafoni/scene/products/mesh_scene.h"
 

@@ -1,8 +1,14 @@
+// Evaluates a field on a lattice, chunk by chunk: which chunks of a column may hold surface, the samples of
+// one, and gradients at points within it.
+
+#include "tafoni/field/chunks.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/impl/chunk_work.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::field {
 
@@ -60,17 +66,15 @@ ChunkEvaluator::Range ChunkEvaluator::column(int a, int b) {
   const double size = s.frame.voxel * chunk_cells;
   Range range;
   if (z.lo <= z.hi) {
-    const double lo = static_cast<double>(z.lo) - s.frame.origin.z,
-                 hi = static_cast<double>(z.hi) - s.frame.origin.z;
-    range = {static_cast<int>(std::floor(lo / size)) - (lo == std::floor(lo / size) * size ? 1 : 0),
-             static_cast<int>(std::floor(hi / size))};
+    const double lo = z.lo - s.frame.origin.z, hi = z.hi - s.frame.origin.z;
+    range = {floor_to(lo / size) - (lo == std::floor(lo / size) * size ? 1 : 0), floor_to(hi / size)};
   }
   return s.work.program().nested.empty() ? range : s.widened(range);
 }
 
 /// Nested leaves may vary at any elevation: what their ranges do not exclude is added to the known range.
 ChunkEvaluator::Range ChunkEvaluator::State::widened(Range known) {
-  const int limit = static_cast<int>(std::ceil(impl::reach_limit / (frame.voxel * chunk_cells)));
+  const int limit = ceil_to(impl::reach_limit / (frame.voxel * chunk_cells));
   if (known.first > known.last) {
     const int last = highest(-limit, limit);
     return last < -limit ? Range{} : Range{lowest(-limit, last), last};
@@ -130,7 +134,7 @@ bool ChunkEvaluator::evaluate(int c, const BrickBox& box, ChunkSamples& out) {
   frame.z.set(static_cast<std::int64_t>(c) * chunk_cells, frame.voxel, frame.origin.z);
   out.chunk = frame.chunk;
   out.evaluated = 0;
-  out.f.resize(static_cast<std::size_t>(ChunkSamples::nx * ChunkSamples::ny * ChunkSamples::nz));
+  out.f.resize(ChunkSamples::nx * ChunkSamples::ny * ChunkSamples::nz);
   const bool bare = s.work.set_chunk(box) == 0 &&
                     frame.beyond(s.work.bare_range(frame.z.metres[0], frame.z.metres[chunk_cells]));
   bool any = false;
@@ -160,7 +164,7 @@ bool ChunkEvaluator::evaluate(int c, const BrickBox& box, ChunkSamples& out) {
         s.work.evaluate(bx, by, bz, n.x,
                         {x.units + i, y.units + j, z.units + k, x.rest + i, y.rest + j, z.rest + k, n.y, n.z,
                          out.f.data() + k * plane + j * row + i, row, plane});
-        out.evaluated += static_cast<std::uint64_t>(n.x * n.y * n.z);
+        out.evaluated += n.x * n.y * n.z;
       }
     }
   return true;
@@ -174,9 +178,7 @@ void ChunkEvaluator::gradients(std::span<const Vec3d> points, std::span<float> v
   const double inv = 1 / (s.frame.voxel * brick_cells);
   const Vec3d origin{s.frame.x.metres[0], s.frame.y.metres[0], s.frame.z.metres[0]};
   const auto brick_of = [&](const Vec3d& p) {
-    const auto axis = [&](double d) {
-      return std::clamp(static_cast<int>(std::floor(d * inv)), 0, bricks - 1);
-    };
+    const auto axis = [&](double d) { return std::clamp(floor_to(d * inv), 0, bricks - 1); };
     return brick_index(axis(p.x - origin.x), axis(p.y - origin.y), axis(p.z - origin.z));
   };
   auto& order = s.order;

@@ -1,3 +1,6 @@
+// Asks a compiled field at points. Many points are sorted along a space-filling curve first, so that the
+// eight of a pack are neighbours and share the primitives that are found for them.
+
 #include "tafoni/field/compiled.h"
 
 #include <algorithm>
@@ -37,16 +40,15 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points) {
     return (w | w << 2) & 0x249249249249ull;
   };
   std::vector<std::uint64_t> items(points.size()), other(points.size());  // key above, index below
-  parallel_blocks(static_cast<std::int64_t>(points.size()), 1 << 16,
-                  [&](std::int64_t begin, std::int64_t end) {
-                    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-                      const Vec3d d = (points[i] - box.lo) * scale;
-                      const std::uint64_t key = spread(static_cast<std::uint32_t>(d.x)) |
-                                                spread(static_cast<std::uint32_t>(d.y)) << 1 |
-                                                spread(static_cast<std::uint32_t>(d.z)) << 2;
-                      items[i] = key << 32 | i;
-                    }
-                  });
+  parallel_blocks(points.size(), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      const Vec3d d = (points[i] - box.lo) * scale;
+      const std::uint64_t key = spread(static_cast<std::uint32_t>(d.x)) |
+                                spread(static_cast<std::uint32_t>(d.y)) << 1 |
+                                spread(static_cast<std::uint32_t>(d.z)) << 2;
+      items[i] = key << 32 | i;
+    }
+  });
   for (int shift = 32; shift < 64; shift += bits) {
     std::array<std::uint32_t, (1 << bits) + 1> count{};
     constexpr std::uint64_t mask = (1 << bits) - 1;
@@ -106,9 +108,7 @@ void in_packs(const Program& program, std::span<const Vec3d> points, bool with_g
   };
   constexpr std::size_t share = 2048;
   if (points.size() <= share) return groups(0, points.size());
-  parallel_blocks(static_cast<std::int64_t>(points.size()), share, [&](std::int64_t begin, std::int64_t end) {
-    groups(static_cast<std::size_t>(begin), static_cast<std::size_t>(end));
-  });
+  parallel_blocks(points.size(), share, [&](std::int64_t begin, std::int64_t end) { groups(begin, end); });
 }
 
 }  // namespace

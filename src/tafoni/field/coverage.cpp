@@ -1,3 +1,6 @@
+// The share of an area that lies above or below primitives: discs as wide as their supports are marked on
+// cells.
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -8,6 +11,7 @@
 #include "tafoni/field/impl/node.h"
 #include "tafoni/field/impl/pose.h"
 #include "tafoni/field/tree.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::field {
 namespace {
@@ -18,8 +22,8 @@ class Cells {
   Cells(const Box3d& area, double cell)
       : area_(area),
         cell_(cell),
-        width_(static_cast<std::size_t>(std::ceil(area.size().x / cell))),
-        height_(static_cast<std::size_t>(std::ceil(area.size().y / cell))),
+        width_(ceil_to<std::size_t>(area.size().x / cell)),
+        height_(ceil_to<std::size_t>(area.size().y / cell)),
         marked_(width_ * height_) {}
 
   void mark(double x, double y, double radius) {
@@ -69,7 +73,7 @@ void mark(Cells& cells, const Node* root, const std::function<Vec3d(Vec3d)>& at,
     for (std::size_t i = 0; i < found.size(); ++i) {
       const Vec3d p =
           at({impl::to_metres(found.x[i]), impl::to_metres(found.y[i]), impl::to_metres(found.z[i])});
-      cells.mark(p.x, p.y, static_cast<double>(found.reach[i]) * scale);
+      cells.mark(p.x, p.y, found.reach[i] * scale);
     }
   }
 }

@@ -1,3 +1,5 @@
+// Leaves made of functions, and functions made of trees; what nested nodes share.
+
 #include "tafoni/field/function.h"
 
 #include <algorithm>

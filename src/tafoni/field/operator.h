@@ -1,10 +1,9 @@
 #pragma once
-// What the program knows of an operator. One file each in operators/.
+// What the program knows of an operator. One file each in operators/combining/ and operators/nested/.
 
+#include <optional>
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "tafoni/core/registry.h"
 #include "tafoni/math/vec.h"
@@ -15,20 +14,25 @@ namespace impl {
 struct OperatorKernels;
 }
 
-/// What an operator needs of its operands where only their ranges are known.
+/// What a combination needs of its operands where only their ranges are known.
 enum class Needs { both, first, second };
 
-/// An operator either combines two values (all three functions below; at most one parameter, which they get)
-/// or asks its operand elsewhere or takes functions (none of them; made by the function of tree.h of its
-/// name).
+/// How the values that two trees have at one place become one. `parameter` is the operator's own, if it has
+/// one; it may not have more.
+struct Combination {
+  /// Encloses every result.
+  Interval (*interval)(Interval a, Interval b, float parameter);
+  /// `first` or `second` when the result is bit for bit that operand over the whole range.
+  Needs (*needs)(Interval a, Interval b, float parameter);
+  /// For the instruction set this machine has.
+  const impl::OperatorKernels& (*kernels)();
+};
+
+/// A file of operators/combining/ gives its combination; one of operators/nested/ gives none, because it asks
+/// its operand elsewhere or takes functions. Each has a function in tree.h.
 struct OperatorType {
   Declaration about = {};
-  Interval (*interval)(Interval a, Interval b, float parameter) = nullptr;
-  /// `first` or `second` when the result is bit for bit that operand over the whole range.
-  Needs (*needs)(Interval a, Interval b, float parameter) = nullptr;
-  const impl::OperatorKernels& (*kernels)() = nullptr;
-
-  bool combines() const { return kernels != nullptr; }
+  std::optional<Combination> combination = {};
 };
 
 std::span<const OperatorType* const> all_operators();

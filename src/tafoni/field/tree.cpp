@@ -1,3 +1,6 @@
+// Makes the nodes of trees, checks what they are made from, and walks trees without recursion for their
+// support and statistics.
+
 #include "tafoni/field/tree.h"
 
 #include <algorithm>
@@ -83,7 +86,7 @@ void CloudBuilder::add(Vec3d anchor, float energy, std::span<const float> shape)
   State& s = *state_;
   const PrimitiveType& type = *s.type;
   const std::size_t extras = shape.empty() ? 0 : shape.size() - 1;
-  const auto group = static_cast<std::size_t>(type.extras);
+  const std::size_t group = type.extras;
   const bool fits = type.variable ? extras >= group && extras % group == 0 : extras == group;
   if (shape.empty() || !fits)
     fail(ErrorKind::input, "a {} primitive cannot have {} shape numbers", type.about.name, shape.size());
@@ -99,7 +102,7 @@ void CloudBuilder::add(Vec3d anchor, float energy, std::span<const float> shape)
          shape[0], s.noise.amplitude);
   for (std::size_t i = 1; i < shape.size(); ++i) {
     const ParamInfo& info = type.about.params[1 + (i - 1) % group];
-    const auto value = static_cast<double>(shape[i]);
+    const double value = shape[i];
     if (value < info.min || value > info.max)
       fail(ErrorKind::input, "a {} primitive has {} = {}; it must be {}", type.about.name, info.name,
            shape[i], allowed(info));
@@ -146,7 +149,7 @@ void add_curve(CloudBuilder& cloud, std::span<const Vec3d> points, double radius
   if (!(tolerance > 0)) fail(ErrorKind::usage, "a curve's tolerance must be a positive length in metres");
   std::vector<float> shape{static_cast<float>(radius)};
   const auto at = [&](std::ptrdiff_t i) {
-    return points[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(i, 0, std::ssize(points) - 1))];
+    return points[std::clamp<std::ptrdiff_t>(i, 0, std::ssize(points) - 1)];
   };
   for (std::ptrdiff_t i = 0; i + 1 < std::ssize(points); ++i) {
     const Vec3d p0 = at(i - 1), p1 = at(i), p2 = at(i + 1), p3 = at(i + 2);
@@ -165,16 +168,50 @@ void add_curve(CloudBuilder& cloud, std::span<const Vec3d> points, double radius
   cloud.add(points[0], static_cast<float>(energy), shape);
 }
 
-NodePtr combine(std::string_view op, std::vector<NodePtr> children) {
+NodePtr combine(std::string_view op, std::vector<NodePtr> trees) {
   const OperatorType& type = find_operator(op);
-  if (!type.combines())
+  if (!type.combination)
     fail(ErrorKind::usage, "{} does not combine trees by value; it has a function of its own", op);
-  std::erase(children, nullptr);
-  if (children.empty()) fail(ErrorKind::usage, "{} has no operands", op);
-  if (children.size() == 1) return children.front();
+  std::erase(trees, nullptr);
+  if (trees.empty()) fail(ErrorKind::usage, "{} has no operands", op);
+  if (trees.size() == 1) return trees.front();
   const float parameter =
       type.about.params.empty() ? 0.f : static_cast<float>(std::get<double>(type.about.params.front().init));
-  return std::make_shared<Node>(Node::Operation{&type, std::move(children), parameter});
+  return std::make_shared<Node>(Node::Operation{&type, std::move(trees), parameter});
+}
+
+NodePtr blend(std::vector<NodePtr> trees) {
+  return combine("blend", std::move(trees));
+}
+NodePtr unite(std::vector<NodePtr> trees) {
+  return combine("union", std::move(trees));
+}
+NodePtr intersect(std::vector<NodePtr> trees) {
+  return combine("intersection", std::move(trees));
+}
+NodePtr subtract(NodePtr from, NodePtr what) {
+  return combine("difference", {std::move(from), std::move(what)});
+}
+
+namespace {
+
+NodePtr combine_two(std::string_view op, NodePtr a, NodePtr b, double parameter) {
+  const OperatorType& type = find_operator(op);
+  checked(type.about.params.front(), parameter, op);
+  return std::make_shared<Node>(
+      Node::Operation{&type, {std::move(a), std::move(b)}, static_cast<float>(parameter)});
+}
+
+}  // namespace
+
+NodePtr morph(NodePtr a, NodePtr b, double alpha) {
+  if (alpha == 0) return a;
+  if (alpha == 1) return b;
+  return combine_two("morph", std::move(a), std::move(b), alpha);
+}
+
+NodePtr round_edge(NodePtr a, NodePtr b, double width) {
+  return combine_two("round", std::move(a), std::move(b), width);
 }
 
 namespace {
@@ -193,7 +230,7 @@ Box3d support_of(const Node& node, const std::unordered_map<const Node*, Box3d>&
   }
   const auto* op = node.operation();
   if (!op) return Box3d::everything();
-  const Interval nothing = op->type->interval({0, 0}, {0, 0}, op->parameter);
+  const Interval nothing = op->type->combination->interval({0, 0}, {0, 0}, op->parameter);
   if (nothing.lo != 0 || nothing.hi != 0) return Box3d::everything();
   Box3d box;
   for (const NodePtr& child : op->children) box.expand(known.at(child.get()));

@@ -88,13 +88,26 @@ void add_segment(CloudBuilder& cloud, Vec3d from, Vec3d to, double radius, doubl
 void add_curve(CloudBuilder& cloud, std::span<const Vec3d> points, double radius, double energy,
                double tolerance = 0.05);
 
-/// A node of a registered operator, by name: "blend" (sum), "union" (max), "intersection" (min),
-/// "difference" (min(a, -b)). Takes at least one child; one child alone is returned as it is.
-/// Blending a cloud adds its primitives one by one, in the cloud's order, to what stands before it.
-NodePtr combine(std::string_view op, std::vector<NodePtr> children);
+/// The sum of the trees. A cloud adds its primitives one by one, in the cloud's order, to what stands before
+/// it. Takes at least one tree that is not null, as do the next three; one alone is returned as it is.
+NodePtr blend(std::vector<NodePtr> trees);
+/// Solid where any tree is: the greatest value.
+NodePtr unite(std::vector<NodePtr> trees);
+/// Solid where all trees are: the least value.
+NodePtr intersect(std::vector<NodePtr> trees);
+/// Solid where `from` is and none of `what`: min(from, -what).
+NodePtr subtract(NodePtr from, NodePtr what);
+/// A node of the combining operator of this name (operator.h), from the left; its parameter is the default.
+/// Throws Error{usage} for a name that is none.
+NodePtr combine(std::string_view op, std::vector<NodePtr> trees);
 
 /// a (1 - alpha) + b alpha [Zawadzki]; alpha in [0, 1].
 NodePtr morph(NodePtr a, NodePtr b, double alpha);
+
+/// Solid where both are, and their common edge is worn off: min(a, b) - h^2 / (4 width) with h = width - |a -
+/// b| where that is positive, and exactly the lesser elsewhere. The edge of two faces at a right angle
+/// recedes by 0.35 width. `width` in metres of the values, above 0. Throws Error{usage} for another.
+NodePtr round_edge(NodePtr a, NodePtr b, double width);
 
 /// A leaf with the function's own values, in metres.
 NodePtr function(FunctionPtr f);

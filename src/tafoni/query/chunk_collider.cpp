@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "tafoni/field/chunks.h"
 #include "tafoni/query/impl/triangle_tree.h"
 
 namespace tafoni::query {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tafoni/field/chunks.h"
+#include "tafoni/field/compiled.h"
 #include "tafoni/query/impl/tile.h"
 #include "tafoni/surface/bricks.h"
 

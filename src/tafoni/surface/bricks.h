@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "tafoni/field/compiled.h"
+#include "tafoni/field/chunks.h"
 #include "tafoni/mesh/mesh.h"
 
 namespace tafoni::surface {

@@ -10,6 +10,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/field/chunks.h"
 #include "tafoni/surface/impl/connect.h"
 #include "tafoni/surface/impl/field_source.h"
 

@@ -6,6 +6,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/field/chunks.h"
 #include "tafoni/surface/impl/connect.h"
 
 namespace tafoni::surface {

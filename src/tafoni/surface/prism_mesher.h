@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tafoni/core/progress.h"
+#include "tafoni/field/chunks.h"
 #include "tafoni/mesh/mesh.h"
 #include "tafoni/volume/prism_field.h"
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 
+#include "tafoni/field/chunks.h"
 #include "tafoni/field/compiled.h"
 
 namespace tafoni::surface {

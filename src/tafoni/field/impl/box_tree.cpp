@@ -1,3 +1,6 @@
+// A tree over boxes, eight children a node, built bottom up over boxes that are already in order along a
+// curve. One vector comparison tests all eight children of a node.
+
 #include "tafoni/field/impl/box_tree.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -47,8 +47,7 @@ class BoxTree {
         --depth;
         continue;
       }
-      const std::size_t child =
-          frame.node * WideBox::fan + static_cast<std::size_t>(std::countr_zero(frame.mask));
+      const std::size_t child = frame.node * WideBox::fan + std::countr_zero(frame.mask);
       frame.mask &= frame.mask - 1;
       if (depth < top) {
         ++depth;

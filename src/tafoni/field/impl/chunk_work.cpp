@@ -1,8 +1,14 @@
+// Evaluates the bricks of one chunk: primitives are found once for the chunk and listed by brick; ranges that
+// bound the field over a brick leave out those that cannot hold the surface; the others run the program on
+// blocks.
+
 #include "tafoni/field/impl/chunk_work.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "tafoni/math/whole.h"
 
 namespace tafoni::field::impl {
 namespace {
@@ -128,8 +134,8 @@ std::size_t ChunkWork::list_primitives(CloudPart& part, const BrickBox& box) {
     int lo[3], hi[3];
     for (int a = 0; a < 3; ++a) {
       // Brick b's closure is [b, b + 1] bricks.
-      lo[a] = static_cast<int>(std::ceil(std::clamp((c[a] - reach) * inv - 1, -1e6f, 1e6f)));
-      hi[a] = static_cast<int>(std::floor(std::clamp((c[a] + reach) * inv, -1e6f, 1e6f)));
+      lo[a] = ceil_to(std::clamp((c[a] - reach) * inv - 1, -1e6f, 1e6f));
+      hi[a] = floor_to(std::clamp((c[a] + reach) * inv, -1e6f, 1e6f));
       lo[a] = std::max(lo[a], first[a]);
       hi[a] = std::min(hi[a], last[a] + 1);
     }
@@ -162,7 +168,7 @@ std::size_t ChunkWork::list_primitives(CloudPart& part, const BrickBox& box) {
 Interval ChunkWork::brick_range(int bx, int by, int bz, bool coarse) {
   const Box3f box = frame_.brick_box(bx, by, bz);
   const int plane = by * bricks + bx;
-  const auto b = static_cast<std::size_t>(brick_index(bx, by, bz));
+  const std::size_t b = brick_index(bx, by, bz);
   return range_of(program_, ranges_, [&](const Instruction& in) -> Interval {
     if (in.kind == Instruction::Kind::height) {
       const Height& h = heights_[in.index];
@@ -273,7 +279,7 @@ void ChunkWork::evaluate(int bx, int by, int bz, int nx, const Block& target) {
     if (i == 0) return block;
     block.row = brick_cells;
     block.plane = brick_cells * brick_cells;
-    block.f = scratch_[static_cast<std::size_t>(i)].data();
+    block.f = scratch_[i].data();
     return block;
   };
   const std::uint8_t* dead = nullptr;
@@ -304,7 +310,7 @@ void ChunkWork::evaluate(int bx, int by, int bz, int nx, const Block& target) {
       },
       [&](int i, const Instruction& in) {
         const CloudPart& part = clouds_[in.index];
-        const auto b = static_cast<std::size_t>(brick_index(bx, by, bz));
+        const std::size_t b = brick_index(bx, by, bz);
         const std::size_t count = part.begin[b + 1] - part.begin[b];
         if (count == 0) return;
         const Cloud& cloud = *program_.clouds[in.index];

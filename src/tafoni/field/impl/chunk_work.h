@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "tafoni/field/compiled.h"
+#include "tafoni/field/chunks.h"
 #include "tafoni/field/impl/points.h"
 #include "tafoni/field/impl/program.h"
 

@@ -1,3 +1,6 @@
+// Stores a cloud: records are sorted along a space-filling curve, packed in blocks of 16, and indexed by a
+// tree over the blocks' boxes. Also the ranges of single primitives, from their distance to a box.
+
 #include "tafoni/field/impl/cloud.h"
 
 #include <algorithm>
@@ -10,7 +13,7 @@
 namespace tafoni::field::impl {
 namespace {
 
-float padded(float reach) {
+float pad(float reach) {
   return reach * reach_factor + reach_margin;
 }
 
@@ -66,7 +69,7 @@ Cloud::Cloud(const PrimitiveType& type, float falloff, const Noise& noise, std::
     if (type.variable) extra_offsets_.push_back(static_cast<std::uint32_t>(pool_.size()));
     pool_.insert(pool_.end(), extras.begin(), extras.end());
     const float reach = reach_of(r.radius, extras);
-    reaches += static_cast<double>(reach);
+    reaches += reach;
     const Vec3f c{static_cast<float>(to_metres(a.x)), static_cast<float>(to_metres(a.y)),
                   static_cast<float>(to_metres(a.z))};
     // The anchor itself is rounded to float here: 8 mm at the limit of the frame.
@@ -83,7 +86,7 @@ Cloud::Cloud(const PrimitiveType& type, float falloff, const Noise& noise, std::
 float Cloud::reach_of(float radius, std::span<const float> extras) const {
   const float support = type_->volumetric ? radius + falloff_ : radius;
   const float extent = extras.empty() ? 0.f : type_->extent(extras);
-  return padded(support + noise_.amplitude + extent);
+  return pad(support + noise_.amplitude + extent);
 }
 
 std::uint64_t Cloud::bytes() const {
@@ -96,7 +99,7 @@ void Cloud::decode_extras(const Block& block, const Box3f& box, std::size_t from
   std::size_t kept = from;
   for (std::size_t i = 0; i < block.count; ++i) {
     const std::size_t at = block.first + i, in = from + i;
-    const auto group = static_cast<std::size_t>(type_->extras);
+    const std::size_t group = type_->extras;
     const std::size_t begin = type_->variable ? extra_offsets_[at] : at * group;
     const std::size_t end = type_->variable ? extra_offsets_[at + 1] : begin + group;
     const float reach = reach_of(out.radius[in], std::span(pool_).subspan(begin, end - begin));
@@ -143,8 +146,7 @@ Cloud::Distances Cloud::distances(const Primitives& p, std::size_t i, const Box3
     // The distance to any skeleton is 1-Lipschitz: bound it from the box's centre.
     PointLanes center;
     const Vec3f c = box.center();
-    const Fixed at[3] = {to_fixed(static_cast<double>(c.x)), to_fixed(static_cast<double>(c.y)),
-                         to_fixed(static_cast<double>(c.z))};
+    const Fixed at[3] = {to_fixed(c.x), to_fixed(c.y), to_fixed(c.z)};
     std::fill_n(center.x, 8, at[0].units), std::fill_n(center.xr, 8, at[0].rest);
     std::fill_n(center.y, 8, at[1].units), std::fill_n(center.yr, 8, at[1].rest);
     std::fill_n(center.z, 8, at[2].units), std::fill_n(center.zr, 8, at[2].rest);

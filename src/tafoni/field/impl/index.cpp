@@ -1,3 +1,6 @@
+// The kernels of a cloud's index: a block's plain primitives are decoded and kept where their support may
+// touch a box, a vector of them at a time.
+
 #include "tafoni/field/impl/cloud.h"
 
 #undef HWY_TARGET_INCLUDE

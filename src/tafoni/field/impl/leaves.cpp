@@ -1,3 +1,6 @@
+// The kernels of heightfields and domains. On a lattice their parts in x and y are computed once a column and
+// used for all its samples; at points the 4 x 4 pixels under each are gathered. Both use one arithmetic.
+
 #include "tafoni/field/impl/leaves.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -29,8 +32,8 @@ TAFONI_LANES_INLINE Lanes metres_of(const std::int32_t* units, const float* rest
 }
 
 /// a0 w0 + a1 w1 + a2 w2 + a3 w3, in this order everywhere, so that columns and points agree.
-TAFONI_LANES_INLINE Lanes weighted(Lanes a0, Lanes a1, Lanes a2, Lanes a3, Lanes w0, Lanes w1, Lanes w2,
-                                   Lanes w3) {
+TAFONI_LANES_INLINE Lanes weigh(Lanes a0, Lanes a1, Lanes a2, Lanes a3, Lanes w0, Lanes w1, Lanes w2,
+                                Lanes w3) {
   return mul_add(a3, w3, mul_add(a2, w2, mul_add(a1, w1, a0 * w0)));
 }
 
@@ -78,7 +81,7 @@ TAFONI_LANES_INLINE void join_rows(const raster::Grid<float>& grid, int row, con
   const auto one = [&](int i) {
     const int c = std::clamp(first + i, 0, grid.width() - 1);
     alignas(32) float lanes[8];
-    weighted(Lanes(rows[0][c]), Lanes(rows[1][c]), Lanes(rows[2][c]), Lanes(rows[3][c]), w0, w1, w2, w3)
+    weigh(Lanes(rows[0][c]), Lanes(rows[1][c]), Lanes(rows[2][c]), Lanes(rows[3][c]), w0, w1, w2, w3)
         .store(lanes);
     out[i] = lanes[0];
   };
@@ -86,14 +89,14 @@ TAFONI_LANES_INLINE void join_rows(const raster::Grid<float>& grid, int row, con
   for (; i < lo; ++i) one(i);
   for (; i + width <= hi; i += width) {
     const int c = first + i;
-    weighted(Lanes::load(rows[0] + c), Lanes::load(rows[1] + c), Lanes::load(rows[2] + c),
-             Lanes::load(rows[3] + c), w0, w1, w2, w3)
+    weigh(Lanes::load(rows[0] + c), Lanes::load(rows[1] + c), Lanes::load(rows[2] + c),
+          Lanes::load(rows[3] + c), w0, w1, w2, w3)
         .store(out + i);
   }
   for (; i < n; ++i) one(i);
 }
 
-TAFONI_LANES_INLINE Lanes gathered(const float* base, const std::int32_t* index, int tap) {
+TAFONI_LANES_INLINE Lanes gather(const float* base, const std::int32_t* index, int tap) {
   return hn::GatherIndex(float_tag, base + tap, Ints::load(index).v);
 }
 
@@ -116,7 +119,7 @@ TAFONI_LANES_INLINE void sample_columns(const Sampler& sampler, const Axis& x, c
     weigh(sampler.bicubic(), ty + 8 * g, live_y + 8 * g, slopes ? 1 : 0, wy[g]);
   }
   const int n = last - first + 1;
-  std::vector<float> rows(static_cast<std::size_t>(2 * n));
+  std::vector<float> rows(2 * n);
   float* v = rows.data();
   float* vy = v + n;
   for (int j = 0; j < Columns::rows; ++j) {
@@ -125,17 +128,17 @@ TAFONI_LANES_INLINE void sample_columns(const Sampler& sampler, const Axis& x, c
     for (int i = 0; i < Axis::size; i += static_cast<int>(lane_count())) {
       const Weights& w = wx[i / 8];
       const int l = i % 8;
-      const Lanes a0 = gathered(v, col + i, 0), a1 = gathered(v, col + i, 1), a2 = gathered(v, col + i, 2),
-                  a3 = gathered(v, col + i, 3);
+      const Lanes a0 = gather(v, col + i, 0), a1 = gather(v, col + i, 1), a2 = gather(v, col + i, 2),
+                  a3 = gather(v, col + i, 3);
       const Lanes w0 = Lanes::load(w.w[0] + l), w1 = Lanes::load(w.w[1] + l), w2 = Lanes::load(w.w[2] + l),
                   w3 = Lanes::load(w.w[3] + l);
-      weighted(a0, a1, a2, a3, w0, w1, w2, w3).store(value + j * Columns::stride + i);
+      weigh(a0, a1, a2, a3, w0, w1, w2, w3).store(value + j * Columns::stride + i);
       if (!slopes) continue;
-      weighted(a0, a1, a2, a3, Lanes::load(w.d[0] + l), Lanes::load(w.d[1] + l), Lanes::load(w.d[2] + l),
-               Lanes::load(w.d[3] + l))
+      weigh(a0, a1, a2, a3, Lanes::load(w.d[0] + l), Lanes::load(w.d[1] + l), Lanes::load(w.d[2] + l),
+            Lanes::load(w.d[3] + l))
           .store(gx + j * Columns::stride + i);
-      weighted(gathered(vy, col + i, 0), gathered(vy, col + i, 1), gathered(vy, col + i, 2),
-               gathered(vy, col + i, 3), w0, w1, w2, w3)
+      weigh(gather(vy, col + i, 0), gather(vy, col + i, 1), gather(vy, col + i, 2), gather(vy, col + i, 3),
+            w0, w1, w2, w3)
           .store(gy + j * Columns::stride + i);
     }
   }
@@ -178,7 +181,7 @@ void domain_columns(const DomainLeaf& leaf, const Axis& x, const Axis& y, Column
   if (leaf.inside) sample_columns(*leaf.inside, x, y, false, out.value.data(), nullptr, nullptr);
   for (int j = 0; j < Columns::rows; ++j)
     for (int i = 0; i < Columns::stride; ++i) {
-      float& v = out.value[static_cast<std::size_t>(j * Columns::stride + i)];
+      float& v = out.value[j * Columns::stride + i];
       const float r = rectangle_distance(leaf.domain.box, x.metres[i], y.metres[j]);
       v = leaf.inside ? std::min(v, r) : r;
     }
@@ -232,7 +235,7 @@ struct Patch {
       rows[r] = edge[r];
     }
   }
-  /// The same chain of operations as weighted().
+  /// The same chain of operations as weigh().
   TAFONI_LANES_INLINE void join(const float (&w)[4][8], float (&out)[4][8], int lane) const {
     const hn::CappedTag<float, 4> d;  // one lane where the machine has no vectors
     alignas(16) float four[4];
@@ -265,8 +268,8 @@ TAFONI_LANES_INLINE void sample_points(const Sampler& sampler, const Vec3d* p, i
   }
 }
 TAFONI_LANES_INLINE Lanes across(const float (&a)[4][8], const float (&w)[4][8], std::size_t l) {
-  return weighted(Lanes::load(a[0] + l), Lanes::load(a[1] + l), Lanes::load(a[2] + l), Lanes::load(a[3] + l),
-                  Lanes::load(w[0] + l), Lanes::load(w[1] + l), Lanes::load(w[2] + l), Lanes::load(w[3] + l));
+  return weigh(Lanes::load(a[0] + l), Lanes::load(a[1] + l), Lanes::load(a[2] + l), Lanes::load(a[3] + l),
+               Lanes::load(w[0] + l), Lanes::load(w[1] + l), Lanes::load(w[2] + l), Lanes::load(w[3] + l));
 }
 
 void height_points(const HeightLeaf& leaf, const Vec3d* p, const PointLanes& lanes, float* f) {

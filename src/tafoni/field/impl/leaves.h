@@ -54,7 +54,7 @@ class Sampler {
 
  private:
   static Place place(double pixel, int size) {
-    const double clamped = std::clamp(pixel, 0.0, static_cast<double>(size - 1));
+    const double clamped = std::clamp(pixel, 0.0, size - 1.0);
     const auto whole = static_cast<std::int32_t>(clamped);  // floor: clamped is not negative
     return {whole - 1, static_cast<float>(clamped - whole), clamped == pixel ? 1.f : 0.f};
   }

@@ -7,6 +7,7 @@
 #endif
 
 #include "tafoni/field/impl/kernels.h"
+#include "tafoni/field/impl/operator_entry.h"
 #include "tafoni/math/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -16,7 +17,7 @@ using namespace tafoni::HWY_NAMESPACE;
 
 /// An operator is a struct with apply(a, b), or apply(a, b, parameter) where it has one.
 template <class Op, class N>
-TAFONI_LANES_INLINE N applied(const N& a, const N& b, float parameter) {
+TAFONI_LANES_INLINE N apply_to(const N& a, const N& b, float parameter) {
   if constexpr (requires { Op::apply(a, b, N(parameter)); })
     return Op::apply(a, b, N(parameter));
   else
@@ -30,14 +31,14 @@ void operator_block(const Block& a, const Block& b, float parameter) {
       for (std::size_t l = 0; l < 8; l += lane_count()) {
         float* fa = a.f + k * a.plane + j * a.row + l;
         const float* fb = b.f + k * b.plane + j * b.row + l;
-        applied<Op>(Lanes::load(fa), Lanes::load(fb), parameter).store(fa);
+        apply_to<Op>(Lanes::load(fa), Lanes::load(fb), parameter).store(fa);
       }
 }
 
 template <class Op>
 void operator_points(float* a, const float* b, float parameter) {
   for (std::size_t l = 0; l < 8; l += lane_count())
-    applied<Op>(Lanes::load(a + l), Lanes::load(b + l), parameter).store(a + l);
+    apply_to<Op>(Lanes::load(a + l), Lanes::load(b + l), parameter).store(a + l);
 }
 
 TAFONI_LANES_INLINE Dual load_dual(const PointValues& p, std::size_t l) {
@@ -47,7 +48,7 @@ TAFONI_LANES_INLINE Dual load_dual(const PointValues& p, std::size_t l) {
 template <class Op>
 void operator_gradients(PointValues& a, const PointValues& b, float parameter) {
   for (std::size_t l = 0; l < 8; l += lane_count()) {
-    const Dual r = applied<Op>(load_dual(a, l), load_dual(b, l), parameter);
+    const Dual r = apply_to<Op>(load_dual(a, l), load_dual(b, l), parameter);
     r.v.store(a.v + l);
     r.x.store(a.gx + l);
     r.y.store(a.gy + l);
@@ -56,7 +57,7 @@ void operator_gradients(PointValues& a, const PointValues& b, float parameter) {
 }
 
 template <class Op>
-OperatorKernels make_operator() {
+OperatorKernels make_kernels() {
   return {&operator_block<Op>, &operator_points<Op>, &operator_gradients<Op>};
 }
 

@@ -1,3 +1,6 @@
+// Runs a program at points, eight at a time. Memory is lent to a thread from a pool of its own, because a
+// nested leaf may ask another program in the middle of this one.
+
 #include "tafoni/field/impl/points.h"
 
 #include <algorithm>
@@ -81,8 +84,7 @@ void PointWork::ask_nested(const Program& program, std::span<const Vec3d> points
       auto& values = nested_values_[i];
       values.resize(padded);
       program.nested[i]->values(group_points_, nested(i), values.data());
-      std::fill(values.begin() + static_cast<std::ptrdiff_t>(group.size()), values.end(),
-                values[group.size() - 1]);
+      std::fill(values.begin() + group.size(), values.end(), values[group.size() - 1]);
     }
   }
 }
@@ -136,7 +138,7 @@ void PointWork::narrow(const Program& program) {
 const float* PointWork::values(const Program& program) {
   if (value_slots_.size() < program.depth) value_slots_.resize(program.depth);
   const LeafKernels& kernels = leaf_kernels();
-  const auto slot = [&](int i) { return value_slots_[static_cast<std::size_t>(i)].f; };
+  const auto slot = [&](int i) { return value_slots_[i].f; };
   walk(
       program, nullptr,
       [&](int i, const Instruction& in) {
@@ -163,7 +165,7 @@ const float* PointWork::values(const Program& program) {
 const PointValues& PointWork::gradients(const Program& program) {
   if (gradient_slots_.size() < program.depth) gradient_slots_.resize(program.depth);
   const LeafKernels& kernels = leaf_kernels();
-  const auto slot = [&](int i) -> PointValues& { return gradient_slots_[static_cast<std::size_t>(i)]; };
+  const auto slot = [&](int i) -> PointValues& { return gradient_slots_[i]; };
   walk(
       program, nullptr,
       [&](int i, const Instruction& in) {

@@ -31,23 +31,23 @@ struct Pose {
     return {cos_tilt * x - sin_tilt * d.z, y, sin_tilt * x + cos_tilt * d.z};
   }
   /// Turned, neither moved nor scaled.
-  Vec3d turned(Vec3d own) const {
+  Vec3d turn(Vec3d own) const {
     const double x = cos_tilt * own.x + sin_tilt * own.z, z = cos_tilt * own.z - sin_tilt * own.x;
     return {cos_turn * x - sin_turn * own.y, sin_turn * x + cos_turn * own.y, z};
   }
-  Vec3d to_world(Vec3d own) const { return position + turned(own) * scale; }
+  Vec3d to_world(Vec3d own) const { return position + turn(own) * scale; }
 
   /// Boxes that hold every point of a box, seen from the other side; a little larger for rounding.
   Box3d own_box(const Box3d& box) const {
-    return mapped(box, [this](Vec3d p) { return to_own(p); });
+    return map_corners(box, [this](Vec3d p) { return to_own(p); });
   }
   Box3d world_box(const Box3d& box) const {
-    return mapped(box, [this](Vec3d p) { return to_world(p); });
+    return map_corners(box, [this](Vec3d p) { return to_world(p); });
   }
 
  private:
   template <class Map>
-  static Box3d mapped(const Box3d& box, const Map& map) {
+  static Box3d map_corners(const Box3d& box, const Map& map) {
     if (box.empty()) return box;
     if (!box.bounded()) return Box3d::everything();
     Box3d out;

@@ -1,6 +1,6 @@
 // Every kernel of a primitive kind, from the one template it declares. See math/lanes-inl.h for the toggle.
 //
-// A kind is a struct K, made once a primitive from its extras, with
+// A kind is a struct K in a file of primitives/, made once a primitive from its extras, with
 //   static constexpr bool volumetric, has_extras;
 //   K(const float* extras, std::uint32_t count);
 //   template <class N> Vec3N<N> offset(const Vec3N<N>& p) const;
@@ -15,6 +15,8 @@
 #endif
 
 #include "tafoni/field/impl/kernels.h"
+#include "tafoni/field/impl/primitive_entry.h"
+#include "tafoni/field/impl/skeleton-inl.h"
 #include "tafoni/math/noise-inl.h"
 
 HWY_BEFORE_NAMESPACE();

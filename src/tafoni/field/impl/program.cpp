@@ -1,3 +1,5 @@
+// Compiles a tree: a postfix program over its leaves, made without recursion, for trees may be deep chains.
+
 #include "tafoni/field/impl/program.h"
 
 #include <algorithm>
@@ -88,7 +90,7 @@ class Flattener {
     const bool blend = op.type->about.name == "blend";
     if (frame.next == 0) frame.begin = here();
     if (frame.next >= 2 && !(blend && op.children[frame.next - 1]->cloud()))
-      emit({Kind::apply, 0, op.parameter, op.type, frame.begin, frame.second});
+      emit({Kind::apply, 0, op.parameter, &*op.type->combination, frame.begin, frame.second});
     // Blended clouds add straight onto what stands before them.
     while (blend && frame.next >= 1 && frame.next < op.children.size() && op.children[frame.next]->cloud()) {
       emit_cloud(*op.children[frame.next]->cloud());
@@ -110,7 +112,7 @@ float typical_reach(const Program& program) {
   double sum = 0;
   std::size_t count = 0;
   for (const Cloud* cloud : program.clouds) {
-    sum += static_cast<double>(cloud->mean_reach()) * static_cast<double>(cloud->size());
+    sum += cloud->mean_reach() * static_cast<double>(cloud->size());
     count += cloud->size();
   }
   float reach = count ? static_cast<float>(sum / static_cast<double>(count)) : 0.f;

@@ -22,7 +22,7 @@ struct Instruction {
   Kind kind;
   std::uint32_t index = 0;
   float value = 0;
-  const OperatorType* op = nullptr;
+  const Combination* op = nullptr;
   std::uint32_t first_begin = 0, second_begin = 0;  ///< of apply: where its operands' code starts
 };
 
@@ -98,8 +98,7 @@ Interval range_of(const Program& program, RangeWork& work, const LeafRange& leaf
         Interval& a = stack.back();
         const Needs needs = in.op->needs(a, b, in.value);
         if (needs == Needs::first)
-          std::fill(work.dead.begin() + in.second_begin,
-                    work.dead.begin() + static_cast<std::ptrdiff_t>(i) + 1, std::uint8_t{1});
+          std::fill(work.dead.begin() + in.second_begin, work.dead.begin() + i + 1, std::uint8_t{1});
         if (needs == Needs::second) {
           std::fill(work.dead.begin() + in.first_begin, work.dead.begin() + in.second_begin, std::uint8_t{1});
           work.dead[i] = 1;

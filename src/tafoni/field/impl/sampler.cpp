@@ -1,7 +1,11 @@
+// A raster made ready for evaluation: a pyramid of tiles with the least and greatest height and slope, which
+// answers for any rectangle, and the falloff sigma that turns distances into values.
+
 #include <algorithm>
 #include <cmath>
 
 #include "tafoni/field/impl/leaves.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::field::impl {
 namespace {
@@ -87,7 +91,7 @@ void Sampler::build_pyramid() {
 
 Sampler::Range Sampler::range(double x0, double y0, double x1, double y1) const {
   const auto clamp_pixel = [](double pixel, int size) {
-    return static_cast<int>(std::floor(std::clamp(pixel, 0.0, static_cast<double>(size - 1))));
+    return floor_to(std::clamp(pixel, 0.0, size - 1.0));
   };
   const auto& place = raster_->placement;
   // One pixel of slack covers rounding.

@@ -26,5 +26,7 @@ struct WarpKernels {
   void (*displace)(const WarpNoise&, const Vec3d* points, std::size_t n, Displacement&);
   void (*displace_with_jacobian)(const WarpNoise&, const Vec3d* points, std::size_t n, Displacement&);
 };
+/// For the instruction set this machine has.
+const WarpKernels& warp_kernels();
 
 }  // namespace tafoni::field::impl

@@ -1,16 +1,8 @@
-#include "tafoni/field/primitive.h"
+// The hull of two balls of different radii.
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/field/primitives/cone-sphere.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
-#include "tafoni/field/impl/kernel_table.h"
-#include "tafoni/field/impl/primitive-inl.h"
-#include "tafoni/field/impl/skeleton-inl.h"
+#include "tafoni/field/impl/primitive_entry.h"
 
-HWY_BEFORE_NAMESPACE();
-namespace tafoni::field::impl {
-namespace HWY_NAMESPACE {
+#if TAFONI_KERNELS  // the shape, once for every instruction set
 
 struct ConeSphere {
   static constexpr bool volumetric = true, has_extras = true;
@@ -39,51 +31,42 @@ struct ConeSphere {
   }
 };
 
-PrimitiveKernels cone_sphere_kernels() {
-  return make_kernels<ConeSphere>();
-}
+#else
 
-}  // namespace HWY_NAMESPACE
-}  // namespace tafoni::field::impl
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
 namespace tafoni::field {
-TAFONI_KERNEL_TABLE(PrimitiveKernels, cone_sphere)
-namespace {
-
-struct Params {
-  double radius = 0.5, dx = 0, dy = 0, dz = 10, base = 5, tip = 2;
-};
-
-}  // namespace
 
 const PrimitiveType& primitive_cone_sphere() {
-  static const PrimitiveType type = [] {
-    PrimitiveType t;
-    t.about.name = "cone-sphere";
-    t.about.doc = "Constant inside the hull of two balls, the first at the anchor, then falls off";
-    t.about.source = "[Paris19 §5.2]";
-    t.about.params =
-        ParamTable<Params>()
-            .real("radius", &Params::radius, "m", 1e-3, 1e4,
-                  "Rounding: how far the body reaches beyond the shape that the other numbers give")
-            .real("dx", &Params::dx, "m", -1e4, 1e4, "The second ball's centre relative to the first's, east")
-            .real("dy", &Params::dy, "m", -1e4, 1e4,
-                  "The second ball's centre relative to the first's, north")
-            .real("dz", &Params::dz, "m", -1e4, 1e4, "The second ball's centre relative to the first's, up")
-            .real("base", &Params::base, "m", 0, 1e4, "Radius of the ball at the anchor")
-            .real("tip", &Params::tip, "m", 0, 1e4, "Radius of the ball at the other end");
-    t.extras = 5;
-    t.volumetric = true;
-    t.extent = [](std::span<const float> e) {
-      return std::max(e[3], std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) + e[4]);
-    };
-    t.kernels = &kernels;
-    return t;
-  }();
+  struct Params {
+    double radius = 0.5, dx = 0, dy = 0, dz = 10, base = 5, tip = 2;
+  };
+  static const PrimitiveType type{
+      .about = {.name = "cone-sphere",
+                .doc = "Constant inside the hull of two balls, the first at the anchor, then falls off",
+                .source = "[Paris19 §5.2]",
+                .params =
+                    ParamTable<Params>()
+                        .real(
+                            "radius", &Params::radius, "m", 1e-3, 1e4,
+                            "Rounding: how far the body reaches beyond the shape that the other numbers give")
+                        .real("dx", &Params::dx, "m", -1e4, 1e4,
+                              "The second ball's centre relative to the first's, east")
+                        .real("dy", &Params::dy, "m", -1e4, 1e4,
+                              "The second ball's centre relative to the first's, north")
+                        .real("dz", &Params::dz, "m", -1e4, 1e4,
+                              "The second ball's centre relative to the first's, up")
+                        .real("base", &Params::base, "m", 0, 1e4, "Radius of the ball at the anchor")
+                        .real("tip", &Params::tip, "m", 0, 1e4, "Radius of the ball at the other end")},
+      .extras = 5,
+      .volumetric = true,
+      .extent =
+          [](std::span<const float> e) {
+            return std::max(e[3], std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) + e[4]);
+          },
+      .kernels = &impl::cone_sphere_kernels,
+  };
   return type;
 }
 
 }  // namespace tafoni::field
+
 #endif

@@ -1,16 +1,8 @@
-#include "tafoni/field/primitive.h"
+// A cone, cut or not, on a flat base; in the half-plane through its axis it is a segment.
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/field/primitives/cone.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
-#include "tafoni/field/impl/kernel_table.h"
-#include "tafoni/field/impl/primitive-inl.h"
-#include "tafoni/field/impl/skeleton-inl.h"
+#include "tafoni/field/impl/primitive_entry.h"
 
-HWY_BEFORE_NAMESPACE();
-namespace tafoni::field::impl {
-namespace HWY_NAMESPACE {
+#if TAFONI_KERNELS  // the shape, once for every instruction set
 
 struct Cone {
   static constexpr bool volumetric = true, has_extras = true;
@@ -34,50 +26,39 @@ struct Cone {
   }
 };
 
-PrimitiveKernels cone_kernels() {
-  return make_kernels<Cone>();
-}
+#else
 
-}  // namespace HWY_NAMESPACE
-}  // namespace tafoni::field::impl
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
 namespace tafoni::field {
-TAFONI_KERNEL_TABLE(PrimitiveKernels, cone)
-namespace {
-
-struct Params {
-  double radius = 0.5, dx = 0, dy = 0, dz = 10, base = 5, tip = 0;
-};
-
-}  // namespace
 
 const PrimitiveType& primitive_cone() {
-  static const PrimitiveType type = [] {
-    PrimitiveType t;
-    t.about.name = "cone";
-    t.about.doc = "Constant inside a flat-capped cone that stands on the anchor, then falls off";
-    t.about.source = "[Paris19 §5.2]";
-    t.about.params =
-        ParamTable<Params>()
-            .real("radius", &Params::radius, "m", 1e-3, 1e4,
-                  "Rounding: how far the body reaches beyond the shape that the other numbers give")
-            .real("dx", &Params::dx, "m", -1e4, 1e4, "Axis, from the base to the tip, east")
-            .real("dy", &Params::dy, "m", -1e4, 1e4, "Axis, from the base to the tip, north")
-            .real("dz", &Params::dz, "m", -1e4, 1e4, "Axis, from the base to the tip, up")
-            .real("base", &Params::base, "m", 0, 1e4, "Radius at the base")
-            .real("tip", &Params::tip, "m", 0, 1e4, "Radius at the tip; 0 for a point");
-    t.extras = 5;
-    t.volumetric = true;
-    t.extent = [](std::span<const float> e) {
-      return std::max(e[3], std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[4] * e[4]));
-    };
-    t.kernels = &kernels;
-    return t;
-  }();
+  struct Params {
+    double radius = 0.5, dx = 0, dy = 0, dz = 10, base = 5, tip = 0;
+  };
+  static const PrimitiveType type{
+      .about = {.name = "cone",
+                .doc = "Constant inside a flat-capped cone that stands on the anchor, then falls off",
+                .source = "[Paris19 §5.2]",
+                .params =
+                    ParamTable<Params>()
+                        .real(
+                            "radius", &Params::radius, "m", 1e-3, 1e4,
+                            "Rounding: how far the body reaches beyond the shape that the other numbers give")
+                        .real("dx", &Params::dx, "m", -1e4, 1e4, "Axis, from the base to the tip, east")
+                        .real("dy", &Params::dy, "m", -1e4, 1e4, "Axis, from the base to the tip, north")
+                        .real("dz", &Params::dz, "m", -1e4, 1e4, "Axis, from the base to the tip, up")
+                        .real("base", &Params::base, "m", 0, 1e4, "Radius at the base")
+                        .real("tip", &Params::tip, "m", 0, 1e4, "Radius at the tip; 0 for a point")},
+      .extras = 5,
+      .volumetric = true,
+      .extent =
+          [](std::span<const float> e) {
+            return std::max(e[3], std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[4] * e[4]));
+          },
+      .kernels = &impl::cone_kernels,
+  };
   return type;
 }
 
 }  // namespace tafoni::field
+
 #endif

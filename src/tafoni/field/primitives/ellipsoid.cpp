@@ -1,16 +1,8 @@
-#include "tafoni/field/primitive.h"
+// An ellipsoid: the nearest point of its surface is found by a fixed number of Newton steps.
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/field/primitives/ellipsoid.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
-#include "tafoni/field/impl/kernel_table.h"
-#include "tafoni/field/impl/primitive-inl.h"
-#include "tafoni/field/impl/skeleton-inl.h"
+#include "tafoni/field/impl/primitive_entry.h"
 
-HWY_BEFORE_NAMESPACE();
-namespace tafoni::field::impl {
-namespace HWY_NAMESPACE {
+#if TAFONI_KERNELS  // the shape, once for every instruction set
 
 /// The nearest surface point of p is s(t) = a^2 p / (t + a^2) for the t with |s / a| = 1. Newton's steps on
 /// 1 / |s / a| - 1, which is nearly linear in t, rise to it from below. What they leave is projected onto the
@@ -66,48 +58,39 @@ struct Ellipsoid {
   }
 };
 
-PrimitiveKernels ellipsoid_kernels() {
-  return make_kernels<Ellipsoid>();
-}
+#else
 
-}  // namespace HWY_NAMESPACE
-}  // namespace tafoni::field::impl
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
 namespace tafoni::field {
-TAFONI_KERNEL_TABLE(PrimitiveKernels, ellipsoid)
-namespace {
-
-struct Params {
-  double radius = 0.5, hx = 5, hy = 5, hz = 5, turn = 0;
-};
-
-}  // namespace
 
 const PrimitiveType& primitive_ellipsoid() {
-  static const PrimitiveType type = [] {
-    PrimitiveType t;
-    t.about.name = "ellipsoid";
-    t.about.doc = "Constant inside an ellipsoid about the anchor, then falls off";
-    t.about.source = "[Paris19 §5.2]";
-    t.about.params =
-        ParamTable<Params>()
-            .real("radius", &Params::radius, "m", 1e-3, 1e4,
-                  "Rounding: how far the body reaches beyond the shape that the other numbers give")
-            .real("hx", &Params::hx, "m", 1e-2, 1e4, "Half its size along its own x")
-            .real("hy", &Params::hy, "m", 1e-2, 1e4, "Half its size along its own y")
-            .real("hz", &Params::hz, "m", 1e-2, 1e4, "Half its height")
-            .real("turn", &Params::turn, "deg", -360, 360,
-                  "Turn about the vertical, counter-clockwise from above");
-    t.extras = 4;
-    t.volumetric = true;
-    t.extent = [](std::span<const float> e) { return std::max({e[0], e[1], e[2]}); };
-    t.kernels = &kernels;
-    return t;
-  }();
+  struct Params {
+    double radius = 0.5, hx = 5, hy = 5, hz = 5, turn = 0;
+  };
+  static const PrimitiveType type{
+      .about = {.name = "ellipsoid",
+                .doc = "Constant inside an ellipsoid about the anchor, then falls off",
+                .source = "[Paris19 §5.2]",
+                .params =
+                    ParamTable<Params>()
+                        .real(
+                            "radius", &Params::radius, "m", 1e-3, 1e4,
+                            "Rounding: how far the body reaches beyond the shape that the other numbers give")
+                        .real("hx", &Params::hx, "m", 1e-2, 1e4, "Half its size along its own x")
+                        .real("hy", &Params::hy, "m", 1e-2, 1e4, "Half its size along its own y")
+                        .real("hz", &Params::hz, "m", 1e-2, 1e4, "Half its height")
+                        .real("turn", &Params::turn, "deg", -360, 360,
+                              "Turn about the vertical, counter-clockwise from above")},
+      .extras = 4,
+      .volumetric = true,
+      .extent =
+          [](std::span<const float> e) {
+            return std::max({e[0], e[1], e[2]});
+          },
+      .kernels = &impl::ellipsoid_kernels,
+  };
   return type;
 }
 
 }  // namespace tafoni::field
+
 #endif

@@ -1,15 +1,6 @@
-#include "tafoni/field/primitive.h"
+#include "tafoni/field/impl/primitive_entry.h"
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/field/primitives/point.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
-#include "tafoni/field/impl/kernel_table.h"
-#include "tafoni/field/impl/primitive-inl.h"
-
-HWY_BEFORE_NAMESPACE();
-namespace tafoni::field::impl {
-namespace HWY_NAMESPACE {
+#if TAFONI_KERNELS  // the shape, once for every instruction set
 
 struct Point {
   static constexpr bool volumetric = false, has_extras = false;
@@ -20,39 +11,26 @@ struct Point {
   }
 };
 
-PrimitiveKernels point_kernels() {
-  return make_kernels<Point>();
-}
+#else
 
-}  // namespace HWY_NAMESPACE
-}  // namespace tafoni::field::impl
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
 namespace tafoni::field {
-TAFONI_KERNEL_TABLE(PrimitiveKernels, point)
-namespace {
-
-struct Params {
-  double radius = 5;
-};
-
-}  // namespace
 
 const PrimitiveType& primitive_point() {
-  static const PrimitiveType type = [] {
-    PrimitiveType t;
-    t.about.name = "point";
-    t.about.doc = "Falls off from a point";
-    t.about.source = "[Paris19 §5.2]";
-    t.about.params = ParamTable<Params>().real("radius", &Params::radius, "m", 1e-3, 1e4,
-                                               "Where the falloff reaches zero");
-    t.extent = [](std::span<const float>) { return 0.f; };
-    t.kernels = &kernels;
-    return t;
-  }();
+  struct Params {
+    double radius = 5;
+  };
+  static const PrimitiveType type{
+      .about = {.name = "point",
+                .doc = "Falls off from a point",
+                .source = "[Paris19 §5.2]",
+                .params = ParamTable<Params>().real("radius", &Params::radius, "m", 1e-3, 1e4,
+                                                    "Where the falloff reaches zero")},
+      .extent = [](std::span<const float>) { return 0.f; },
+      .kernels = &impl::point_kernels,
+  };
   return type;
 }
 
 }  // namespace tafoni::field
+
 #endif

@@ -1,16 +1,8 @@
-#include "tafoni/field/primitive.h"
+// A pyramid on a rectangular base, folded by symmetry to a quarter of it.
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/field/primitives/pyramid.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
-#include "tafoni/field/impl/kernel_table.h"
-#include "tafoni/field/impl/primitive-inl.h"
-#include "tafoni/field/impl/skeleton-inl.h"
+#include "tafoni/field/impl/primitive_entry.h"
 
-HWY_BEFORE_NAMESPACE();
-namespace tafoni::field::impl {
-namespace HWY_NAMESPACE {
+#if TAFONI_KERNELS  // the shape, once for every instruction set
 
 struct Pyramid {
   static constexpr bool volumetric = true, has_extras = true;
@@ -56,48 +48,36 @@ struct Pyramid {
   }
 };
 
-PrimitiveKernels pyramid_kernels() {
-  return make_kernels<Pyramid>();
-}
+#else
 
-}  // namespace HWY_NAMESPACE
-}  // namespace tafoni::field::impl
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
 namespace tafoni::field {
-TAFONI_KERNEL_TABLE(PrimitiveKernels, pyramid)
-namespace {
-
-struct Params {
-  double radius = 0.5, hx = 5, hy = 5, height = 10, turn = 0;
-};
-
-}  // namespace
 
 const PrimitiveType& primitive_pyramid() {
-  static const PrimitiveType type = [] {
-    PrimitiveType t;
-    t.about.name = "pyramid";
-    t.about.doc = "Constant inside a pyramid whose base the anchor is the middle of, then falls off";
-    t.about.source = "[Paris19 §5.2]";
-    t.about.params =
-        ParamTable<Params>()
-            .real("radius", &Params::radius, "m", 1e-3, 1e4,
-                  "Rounding: how far the body reaches beyond the shape that the other numbers give")
-            .real("hx", &Params::hx, "m", 0, 1e4, "Half the base's size along its own x")
-            .real("hy", &Params::hy, "m", 0, 1e4, "Half the base's size along its own y")
-            .real("height", &Params::height, "m", 1e-2, 1e4, "Height of the top above the base")
-            .real("turn", &Params::turn, "deg", -360, 360,
-                  "Turn about the vertical, counter-clockwise from above");
-    t.extras = 4;
-    t.volumetric = true;
-    t.extent = [](std::span<const float> e) { return std::max(std::sqrt(e[0] * e[0] + e[1] * e[1]), e[2]); };
-    t.kernels = &kernels;
-    return t;
-  }();
+  struct Params {
+    double radius = 0.5, hx = 5, hy = 5, height = 10, turn = 0;
+  };
+  static const PrimitiveType type{
+      .about = {.name = "pyramid",
+                .doc = "Constant inside a pyramid whose base the anchor is the middle of, then falls off",
+                .source = "[Paris19 §5.2]",
+                .params =
+                    ParamTable<Params>()
+                        .real(
+                            "radius", &Params::radius, "m", 1e-3, 1e4,
+                            "Rounding: how far the body reaches beyond the shape that the other numbers give")
+                        .real("hx", &Params::hx, "m", 0, 1e4, "Half the base's size along its own x")
+                        .real("hy", &Params::hy, "m", 0, 1e4, "Half the base's size along its own y")
+                        .real("height", &Params::height, "m", 1e-2, 1e4, "Height of the top above the base")
+                        .real("turn", &Params::turn, "deg", -360, 360,
+                              "Turn about the vertical, counter-clockwise from above")},
+      .extras = 4,
+      .volumetric = true,
+      .extent = [](std::span<const float> e) { return std::max(std::sqrt(e[0] * e[0] + e[1] * e[1]), e[2]); },
+      .kernels = &impl::pyramid_kernels,
+  };
   return type;
 }
 
 }  // namespace tafoni::field
+
 #endif

@@ -1,15 +1,6 @@
-#include "tafoni/field/primitive.h"
+#include "tafoni/field/impl/primitive_entry.h"
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/field/primitives/sphere.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
-#include "tafoni/field/impl/kernel_table.h"
-#include "tafoni/field/impl/primitive-inl.h"
-
-HWY_BEFORE_NAMESPACE();
-namespace tafoni::field::impl {
-namespace HWY_NAMESPACE {
+#if TAFONI_KERNELS  // the shape, once for every instruction set
 
 struct Sphere {
   static constexpr bool volumetric = true, has_extras = false;
@@ -20,40 +11,27 @@ struct Sphere {
   }
 };
 
-PrimitiveKernels sphere_kernels() {
-  return make_kernels<Sphere>();
-}
+#else
 
-}  // namespace HWY_NAMESPACE
-}  // namespace tafoni::field::impl
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
 namespace tafoni::field {
-TAFONI_KERNEL_TABLE(PrimitiveKernels, sphere)
-namespace {
-
-struct Params {
-  double radius = 5;
-};
-
-}  // namespace
 
 const PrimitiveType& primitive_sphere() {
-  static const PrimitiveType type = [] {
-    PrimitiveType t;
-    t.about.name = "sphere";
-    t.about.doc = "Constant inside a ball, then falls off over the influence radius";
-    t.about.source = "[Paris19 §5.2]";
-    t.about.params =
-        ParamTable<Params>().real("radius", &Params::radius, "m", 1e-3, 1e4, "Radius of the ball");
-    t.volumetric = true;
-    t.extent = [](std::span<const float>) { return 0.f; };
-    t.kernels = &kernels;
-    return t;
-  }();
+  struct Params {
+    double radius = 5;
+  };
+  static const PrimitiveType type{
+      .about = {.name = "sphere",
+                .doc = "Constant inside a ball, then falls off over the influence radius",
+                .source = "[Paris19 §5.2]",
+                .params = ParamTable<Params>().real("radius", &Params::radius, "m", 1e-3, 1e4,
+                                                    "Radius of the ball")},
+      .volumetric = true,
+      .extent = [](std::span<const float>) { return 0.f; },
+      .kernels = &impl::sphere_kernels,
+  };
   return type;
 }
 
 }  // namespace tafoni::field
+
 #endif

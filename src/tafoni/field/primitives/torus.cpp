@@ -1,16 +1,8 @@
-#include "tafoni/field/primitive.h"
+// A circle about an axis, thickened to a tube.
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/field/primitives/torus.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
-#include "tafoni/field/impl/kernel_table.h"
-#include "tafoni/field/impl/primitive-inl.h"
-#include "tafoni/field/impl/skeleton-inl.h"
+#include "tafoni/field/impl/primitive_entry.h"
 
-HWY_BEFORE_NAMESPACE();
-namespace tafoni::field::impl {
-namespace HWY_NAMESPACE {
+#if TAFONI_KERNELS  // the shape, once for every instruction set
 
 struct Torus {
   static constexpr bool volumetric = true, has_extras = true;
@@ -30,46 +22,33 @@ struct Torus {
   }
 };
 
-PrimitiveKernels torus_kernels() {
-  return make_kernels<Torus>();
-}
+#else
 
-}  // namespace HWY_NAMESPACE
-}  // namespace tafoni::field::impl
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
 namespace tafoni::field {
-TAFONI_KERNEL_TABLE(PrimitiveKernels, torus)
-namespace {
-
-struct Params {
-  double radius = 3, dx = 0, dy = 0, dz = 1, ring = 10;
-};
-
-}  // namespace
 
 const PrimitiveType& primitive_torus() {
-  static const PrimitiveType type = [] {
-    PrimitiveType t;
-    t.about.name = "torus";
-    t.about.doc = "Constant inside a torus about the anchor, then falls off";
-    t.about.source = "[Paris19 §5.2]";
-    t.about.params =
-        ParamTable<Params>()
-            .real("radius", &Params::radius, "m", 1e-3, 1e4, "Radius of the tube")
-            .real("dx", &Params::dx, "m", -1e4, 1e4, "Normal of its plane, east")
-            .real("dy", &Params::dy, "m", -1e4, 1e4, "Normal of its plane, north")
-            .real("dz", &Params::dz, "m", -1e4, 1e4, "Normal of its plane, up")
-            .real("ring", &Params::ring, "m", 0, 1e4, "Radius of the circle that its tube follows");
-    t.extras = 4;
-    t.volumetric = true;
-    t.extent = [](std::span<const float> e) { return e[3]; };
-    t.kernels = &kernels;
-    return t;
-  }();
+  struct Params {
+    double radius = 3, dx = 0, dy = 0, dz = 1, ring = 10;
+  };
+  static const PrimitiveType type{
+      .about = {.name = "torus",
+                .doc = "Constant inside a torus about the anchor, then falls off",
+                .source = "[Paris19 §5.2]",
+                .params = ParamTable<Params>()
+                              .real("radius", &Params::radius, "m", 1e-3, 1e4, "Radius of the tube")
+                              .real("dx", &Params::dx, "m", -1e4, 1e4, "Normal of its plane, east")
+                              .real("dy", &Params::dy, "m", -1e4, 1e4, "Normal of its plane, north")
+                              .real("dz", &Params::dz, "m", -1e4, 1e4, "Normal of its plane, up")
+                              .real("ring", &Params::ring, "m", 0, 1e4,
+                                    "Radius of the circle that its tube follows")},
+      .extras = 4,
+      .volumetric = true,
+      .extent = [](std::span<const float> e) { return e[3]; },
+      .kernels = &impl::torus_kernels,
+  };
   return type;
 }
 
 }  // namespace tafoni::field
+
 #endif

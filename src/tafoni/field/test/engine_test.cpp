@@ -8,6 +8,7 @@
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/field/chunks.h"
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/test/lattice.h"
 

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "tafoni/core/random.h"
+#include "tafoni/field/chunks.h"
 #include "tafoni/field/compiled.h"
 
 namespace tafoni::field {
@@ -67,7 +68,7 @@ class Lattice {
           points.push_back({(a * 64 + i) * voxel_, (b * 64 + j) * voxel_, (c * 64 + k) * voxel_});
     std::vector<float> f(points.size());
     field_.values(points, f);
-    const auto value = [&](int i, int j, int k) { return f[static_cast<std::size_t>((k * n + j) * n + i)]; };
+    const auto value = [&](int i, int j, int k) { return f[(k * n + j) * n + i]; };
     std::size_t compared = 0, wrong = 0, missed = 0;
     for (int bz = 0; bz < 8; ++bz)
       for (int by = 0; by < 8; ++by)

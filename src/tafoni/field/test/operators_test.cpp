@@ -12,7 +12,6 @@
 #include "tafoni/core/random.h"
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/impl/node.h"
-#include "tafoni/field/round.h"
 #include "tafoni/field/test/lattice.h"
 #include "tafoni/math/noise.h"
 
@@ -133,7 +132,7 @@ std::vector<Case> cases() {
   add("transform", transform(ground, {{5, -7, 2}, 0.7, 0, 1.2}));
   add("transform_tilted", combine("union", {ground, transform(ball, {{10, 6, 4}, 0.7, 0.9, 0.8})}));
   add("transform_a_warp", transform(warped, {{3, 4, 1}, -2, 0.05, 0.9}));
-  add("round", rounded(ground, transform(eroded, {{9, 0, 0}, 1, 0, 1}), 1.5));
+  add("round", round_edge(ground, transform(eroded, {{9, 0, 0}, 1, 0, 1}), 1.5));
   add("morph", morph(ground, transform(eroded, {{9, 0, 0}, 1, 0, 1}), 0.3));
   add("instances", combine("blend", {ground, instances(hoodoo(), places(300, 1))}));
   add("instances_alone",

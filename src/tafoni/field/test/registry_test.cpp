@@ -212,9 +212,7 @@ TEST_P(Operators, DeclareThemselves) {
   const OperatorType& type = *GetParam();
   EXPECT_FALSE(type.about.doc.empty());
   EXPECT_FALSE(type.about.source.empty());
-  EXPECT_EQ(type.combines(), type.interval != nullptr);
-  EXPECT_EQ(type.combines(), type.needs != nullptr);
-  if (type.combines()) {
+  if (type.combination) {
     EXPECT_LE(type.about.params.size(), 1u);
   } else {
     EXPECT_FALSE(type.about.params.empty());
@@ -229,7 +227,7 @@ TEST_P(Operators, DeclareThemselves) {
 
 TEST_P(Operators, IntervalsAndNeedsAreHonest) {
   const OperatorType& type = *GetParam();
-  if (!type.combines()) return;  // operators_test asks this of trees
+  if (!type.combination) return;  // operators_test asks this of trees
   const float parameter =
       type.about.params.empty() ? 0.f : static_cast<float>(std::get<double>(type.about.params.front().init));
   Random random(1);
@@ -238,8 +236,8 @@ TEST_P(Operators, IntervalsAndNeedsAreHonest) {
       const auto a = static_cast<float>(random.uniform(-5, 5)), b = static_cast<float>(random.uniform(-5, 5));
       return Interval{std::min(a, b), std::max(a, b)};
     };
-    const Interval a = range(), b = range(), r = type.interval(a, b, parameter);
-    const Needs needs = type.needs(a, b, parameter);
+    const Interval a = range(), b = range(), r = type.combination->interval(a, b, parameter);
+    const Needs needs = type.combination->needs(a, b, parameter);
     for (int k = 0; k < 10; ++k) {
       const auto va = static_cast<float>(random.uniform(a.lo, a.hi)),
                  vb = static_cast<float>(random.uniform(b.lo, b.hi));

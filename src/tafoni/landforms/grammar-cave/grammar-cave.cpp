@@ -3,7 +3,6 @@
 #include <sstream>
 
 #include "tafoni/core/error.h"
-#include "tafoni/field/round.h"
 #include "tafoni/grammar/derive.h"
 #include "tafoni/landforms/grammar-cave/cave_mouth.h"
 #include "tafoni/landforms/grammar-cave/cave_way.h"
@@ -213,7 +212,7 @@ class Cave {
     const bool cast = p_.mode == "cast";
     result.reshape = [cast, rock = walls(box), floor = floors(), lip = lip()](const field::NodePtr& tree) {
       field::NodePtr carved =
-          lip > 0 ? field::rounded(tree, rock, lip) : field::combine("intersection", {tree, rock});
+          lip > 0 ? field::round_edge(tree, rock, lip) : field::combine("intersection", {tree, rock});
       if (floor) carved = field::combine("union", {carved, field::combine("intersection", {tree, floor})});
       return cast ? field::combine("difference", {tree, carved}) : carved;
     };

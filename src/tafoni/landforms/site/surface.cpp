@@ -8,6 +8,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/field/chunks.h"
 #include "tafoni/landforms/site/spatial_hash.h"
 
 namespace tafoni::landforms {

@@ -1,6 +1,7 @@
 #pragma once
 // A compiled field as the polygonizer takes it.
 
+#include "tafoni/field/chunks.h"
 #include "tafoni/surface/source.h"
 
 namespace tafoni::surface::impl {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "tafoni/field/chunks.h"
 #include "tafoni/surface/polygonize.h"
 
 namespace tafoni::surface::impl {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tafoni/core/random.h"
+#include "tafoni/field/chunks.h"
 #include "tafoni/surface/impl/arena.h"
 #include "tafoni/surface/impl/block.h"
 #include "tafoni/surface/impl/lattice.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "tafoni/field/chunks.h"
 #include "tafoni/surface/polygonize.h"
 
 namespace tafoni::surface::test {

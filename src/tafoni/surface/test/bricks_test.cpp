@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "tafoni/core/random.h"
+#include "tafoni/field/chunks.h"
+#include "tafoni/field/compiled.h"
 #include "tafoni/field/tree.h"
 #include "tafoni/surface/polygonize.h"
 

@@ -11,6 +11,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/field/chunks.h"
 
 namespace tafoni::surface {
 namespace {

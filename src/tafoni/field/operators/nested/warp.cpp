@@ -1,77 +1,24 @@
-#include "tafoni/field/operator.h"
+// The warp operator: the tree is asked at positions that noise has moved, by as much as a control function
+// says.
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/field/operators/warp.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
 #include <algorithm>
 #include <cmath>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
-#include "tafoni/field/impl/kernel_table.h"
 #include "tafoni/field/impl/node.h"
 #include "tafoni/field/impl/points.h"
 #include "tafoni/field/impl/warp_noise.h"
-#include "tafoni/math/noise-inl.h"
+#include "tafoni/field/operator.h"
 
-HWY_BEFORE_NAMESPACE();
-namespace tafoni::field::impl {
-namespace HWY_NAMESPACE {
-using namespace tafoni::HWY_NAMESPACE;
-
-/// As LocalNoise does it: far positions split into cells to hash and a small remainder in float.
-template <bool with_jacobian>
-void displace(const WarpNoise& noise, const Vec3d* points, std::size_t n, Displacement& out) {
-  alignas(32) float q[3][8] = {};
-  alignas(32) std::int32_t m[3][8] = {};
-  for (std::size_t l = 0; l < n; ++l) {
-    const double at[3] = {points[l].x * noise.inv_lateral, points[l].y * noise.inv_lateral,
-                          points[l].z * noise.inv_vertical};
-    for (int c = 0; c < 3; ++c) {
-      const double cell = std::floor(at[c] / 3);
-      m[c][l] = static_cast<std::int32_t>(cell);
-      q[c][l] = static_cast<float>(at[c] - 3 * cell);
-    }
-  }
-  const Lanes scale[3] = {Lanes(static_cast<float>(noise.inv_lateral)),
-                          Lanes(static_cast<float>(noise.inv_lateral)),
-                          Lanes(static_cast<float>(noise.inv_vertical))};
-  for (std::size_t l = 0; l < n; l += lane_count()) {
-    const NoiseCell cell = noise_cell(Ints::load(m[0] + l), Ints::load(m[1] + l), Ints::load(m[2] + l));
-    const Vec3N<Lanes> at{Lanes::load(q[0] + l), Lanes::load(q[1] + l), Lanes::load(q[2] + l)};
-    for (int i = 0; i < 3; ++i) {
-      const Lanes amplitude(noise.amplitude[i]);
-      Vec3N<Lanes> g{Lanes(0.f), Lanes(0.f), Lanes(0.f)};
-      const Lanes t = fbm_lanes(at, cell, noise.octaves, noise.seed[i], with_jacobian ? &g : nullptr);
-      (t * amplitude).store(out.d[i] + l);
-      if constexpr (with_jacobian) {
-        (g.x * amplitude * scale[0]).store(out.jacobian[3 * i] + l);
-        (g.y * amplitude * scale[1]).store(out.jacobian[3 * i + 1] + l);
-        (g.z * amplitude * scale[2]).store(out.jacobian[3 * i + 2] + l);
-      }
-    }
-  }
-}
-
-WarpKernels warp_kernels() {
-  return {&displace<false>, &displace<true>};
-}
-
-}  // namespace HWY_NAMESPACE
-}  // namespace tafoni::field::impl
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
 namespace tafoni::field {
-TAFONI_KERNEL_TABLE(WarpKernels, warp)
 namespace {
 
 using impl::PointWork;
 using impl::Program;
 
 /// A box grown by at most `amplitude` along each axis.
-Box3d displaced(const Box3d& box, Vec3d amplitude) {
+Box3d grow(const Box3d& box, Vec3d amplitude) {
   return box.empty() ? box : Box3d{box.lo - amplitude, box.hi + amplitude};
 }
 
@@ -97,7 +44,7 @@ class Warped final : public impl::Nested {
     for (std::size_t i = 0; i < points.size(); i += 8) {
       const std::size_t n = std::min<std::size_t>(8, points.size() - i);
       if (std::all_of(control + i, control + i + n, [](float c) { return c == 0; })) continue;
-      kernels().displace(noise_, points.data() + i, n, d);
+      impl::warp_kernels().displace(noise_, points.data() + i, n, d);
       for (std::size_t l = 0; l < n; ++l) moved[i + l] += displacement(d, l, control[i + l]);
     }
     work.values(*child_, moved, out);
@@ -115,7 +62,7 @@ class Warped final : public impl::Nested {
     for (std::size_t i = 0; i < points.size(); i += 8) {
       const std::size_t n = std::min<std::size_t>(8, points.size() - i);
       impl::Displacement& d = offsets[i / 8];
-      kernels().displace_with_jacobian(noise_, points.data() + i, n, d);
+      impl::warp_kernels().displace_with_jacobian(noise_, points.data() + i, n, d);
       for (std::size_t l = 0; l < n; ++l)
         if (control[i + l] != 0) moved[i + l] += displacement(d, l, control[i + l]);
     }
@@ -126,7 +73,7 @@ class Warped final : public impl::Nested {
 
   Interval range(const Box3d& box, PointWork& work) const override {
     const Interval control = control_ ? control_->range(box) : Interval{1, 1};
-    return work.range(*child_, displaced(box, greatest(control)));
+    return work.range(*child_, grow(box, greatest(control)));
   }
 
   const Program* still(const Box3d& box) const override {
@@ -137,12 +84,12 @@ class Warped final : public impl::Nested {
 
   Interval extent(const Box3d& column, PointWork& work) const override {
     const Vec3d most = greatest({0, 1});
-    const Interval child = work.extent(*child_, displaced(column, most));
+    const Interval child = work.extent(*child_, grow(column, most));
     if (child.lo > child.hi) return child;
     return {child.lo - static_cast<float>(most.z), child.hi + static_cast<float>(most.z)};
   }
 
-  Box3d bounds() const override { return displaced(impl::bounds(*child_), greatest({0, 1})); }
+  Box3d bounds() const override { return grow(impl::bounds(*child_), greatest({0, 1})); }
   float reach() const override { return child_->reach; }
 
  private:
@@ -169,11 +116,9 @@ class Warped final : public impl::Nested {
   }
   /// The greatest displacement along each axis, rounding included.
   Vec3d greatest(Interval control) const {
-    const double c =
-        std::max(std::fabs(static_cast<double>(control.lo)), std::fabs(static_cast<double>(control.hi)));
+    const double c = std::max(std::fabs(control.lo), std::fabs(control.hi));
     const double k = c * (1 + 1e-5);
-    return {k * static_cast<double>(noise_.amplitude[0]), k * static_cast<double>(noise_.amplitude[1]),
-            k * static_cast<double>(noise_.amplitude[2])};
+    return {k * noise_.amplitude[0], k * noise_.amplitude[1], k * noise_.amplitude[2]};
   }
 
   std::shared_ptr<const Program> child_;
@@ -190,20 +135,13 @@ class WarpNode final : public impl::NestedNode {
   }
   NodePtr child() const override { return child_; }
   int depth_below() const override { return impl::depth_of(control_.get()); }
-  Box3d support(const Box3d& child) const override {
-    return displaced(child, settings_.amplitude * (1 + 1e-5));
-  }
+  Box3d support(const Box3d& child) const override { return grow(child, settings_.amplitude * (1 + 1e-5)); }
   std::uint64_t bytes() const override { return sizeof(*this); }
 
  private:
   NodePtr child_;
   FunctionPtr control_;
   WarpSettings settings_;
-};
-
-struct Params {
-  double lateral_amplitude = 2, vertical_amplitude = 1, lateral = 20, vertical = 20;
-  std::int64_t octaves = 3;
 };
 
 }  // namespace
@@ -222,6 +160,10 @@ NodePtr warp(NodePtr below, FunctionPtr control, const WarpSettings& settings) {
 }
 
 const OperatorType& operator_warp() {
+  struct Params {
+    double lateral_amplitude = 2, vertical_amplitude = 1, lateral = 20, vertical = 20;
+    std::int64_t octaves = 3;
+  };
   static const OperatorType type{
       .about = {.name = "warp",
                 .doc = "Moves the positions at which a tree is asked by noise, where a control field says so",
@@ -241,4 +183,3 @@ const OperatorType& operator_warp() {
 }
 
 }  // namespace tafoni::field
-#endif

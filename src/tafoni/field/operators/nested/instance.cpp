@@ -1,3 +1,6 @@
+// The instance operator: copies of one tree, stored as placements in canonical order and found by their
+// boxes. Their values are summed in that order.
+
 #include <algorithm>
 #include <tuple>
 
@@ -30,9 +33,7 @@ struct Packed {
   Vec3d metres() const {
     return {impl::to_metres(position.x), impl::to_metres(position.y), impl::to_metres(position.z)};
   }
-  Pose pose() const {
-    return Pose({metres(), static_cast<double>(turn), static_cast<double>(tilt), static_cast<double>(scale)});
-  }
+  Pose pose() const { return Pose({metres(), turn, tilt, scale}); }
   auto key() const {
     return std::tuple(impl::curve_key(position), impl::order_key(turn), impl::order_key(tilt),
                       impl::order_key(scale));
@@ -81,7 +82,7 @@ class Placements {
         };
         const Vec3d d{gap(box.lo.x, box.hi.x, c.x), gap(box.lo.y, box.hi.y, c.y),
                       gap(box.lo.z, box.hi.z, c.z)};
-        const double reach = radius_ * static_cast<double>(p.scale) + 1e-6;
+        const double reach = radius_ * p.scale + 1e-6;
         if (dot(d, d) <= reach * reach) visit(p.pose(), p.scale);
       }
     });
@@ -131,7 +132,7 @@ class Instanced final : public impl::Nested {
         const impl::PointValues& from = f[m / 8];
         const std::size_t l = m % 8, i = work.scratch.items[m];
         impl::PointValues& to = out[i / 8];
-        const Vec3f g = to_float(pose.turned(to_double(Vec3f{from.gx[l], from.gy[l], from.gz[l]})));
+        const Vec3f g = to_float(pose.turn(to_double(Vec3f{from.gx[l], from.gy[l], from.gz[l]})));
         to.v[i % 8] += scale * from.v[l];
         to.gx[i % 8] += g.x, to.gy[i % 8] += g.y, to.gz[i % 8] += g.z;
       }

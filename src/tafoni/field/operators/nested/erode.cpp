@@ -1,3 +1,6 @@
+// The erode operator: a function that takes off material where a control says so and the rock is soft,
+// blended with what is eroded.
+
 #include <algorithm>
 #include <cmath>
 
@@ -8,10 +11,6 @@
 
 namespace tafoni::field {
 namespace {
-
-struct Params {
-  double depth = 2;
-};
 
 /// -depth * control * (1 - resistance)
 class Erosion final : public Function, public impl::HidesTrees {
@@ -105,6 +104,9 @@ NodePtr erode(NodePtr below, FunctionPtr control, FunctionPtr resistance, double
 }
 
 const OperatorType& operator_erode() {
+  struct Params {
+    double depth = 2;
+  };
   static const OperatorType type{
       .about = {.name = "erode",
                 .doc = "Takes off material where a control field says so, the more the softer the rock",

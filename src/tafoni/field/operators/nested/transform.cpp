@@ -1,3 +1,6 @@
+// The transform operator: the tree is asked at positions seen from where it stands, and answers in its own
+// scale.
+
 #include "tafoni/field/impl/node.h"
 #include "tafoni/field/impl/points.h"
 #include "tafoni/field/impl/pose.h"
@@ -25,7 +28,7 @@ class Transformed final : public impl::Nested {
       impl::PointValues& f = out[i / 8];
       const std::size_t l = i % 8;
       f.v[l] *= scale_;
-      const Vec3f g = to_float(pose_.turned(to_double(Vec3f{f.gx[l], f.gy[l], f.gz[l]})));
+      const Vec3f g = to_float(pose_.turn(to_double(Vec3f{f.gx[l], f.gy[l], f.gz[l]})));
       f.gx[l] = g.x, f.gy[l] = g.y, f.gz[l] = g.z;
     }
   }
