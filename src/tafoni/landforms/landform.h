@@ -32,7 +32,7 @@ struct Site {
 };
 
 /// What a generator made. The tree that the next layer meets is
-/// combine("blend", {reshape ? reshape(tree) : tree, nodes...}).
+/// blend({reshape ? reshape(tree) : tree, nodes...}).
 struct Result {
   /// A change of the tree that is more than a sum: a union with a solid, a warp, an erosion node. Pure.
   std::function<field::NodePtr(field::NodePtr)> reshape;

@@ -211,10 +211,9 @@ class Cave {
     result.report.emplace_back("route", world(found_.route));
     const bool cast = p_.mode == "cast";
     result.reshape = [cast, rock = walls(box), floor = floors(), lip = lip()](const field::NodePtr& tree) {
-      field::NodePtr carved =
-          lip > 0 ? field::round_edge(tree, rock, lip) : field::combine("intersection", {tree, rock});
-      if (floor) carved = field::combine("union", {carved, field::combine("intersection", {tree, floor})});
-      return cast ? field::combine("difference", {tree, carved}) : carved;
+      field::NodePtr carved = lip > 0 ? field::round_edge(tree, rock, lip) : field::intersect({tree, rock});
+      if (floor) carved = field::unite({carved, field::intersect({tree, floor})});
+      return cast ? field::subtract(tree, carved) : carved;
     };
     result.reshaped = cast ? Box3d::everything() : around(box);
     return result;
@@ -233,8 +232,8 @@ class Cave {
     Result result = report(box);
     // Walls are rock around air: the solid is the other side of them.
     result.reshape = [rock = walls(box), alone = p_.alone](field::NodePtr tree) {
-      const field::NodePtr inside = field::combine("difference", {field::constant(far), rock});
-      return alone ? inside : field::combine("union", {std::move(tree), inside});
+      const field::NodePtr inside = field::subtract(field::constant(far), rock);
+      return alone ? inside : field::unite({std::move(tree), inside});
     };
     result.reshaped = p_.alone ? Box3d::everything() : around(box);
     return result;
@@ -418,15 +417,13 @@ class Cave {
       warp.seed = hash_combine(site_.seed, 1);
       air = field::warp(std::move(air), nullptr, warp);
     }
-    field::NodePtr rock = field::combine("difference", {field::constant(far), std::move(air)});
+    field::NodePtr rock = field::subtract(field::constant(far), std::move(air));
     if (site_.geology && wear() > 0)
       rock = field::erode(std::move(rock), nullptr, geology::as_function(site_.geology), wear());
     if (!found_.stretches.empty())
-      rock =
-          field::combine("difference", {std::move(rock), field::function(room_of(found_.stretches, way_))});
+      rock = field::subtract(std::move(rock), field::function(room_of(found_.stretches, way_)));
     // So that nothing changes far beyond the box, whatever warps and geology say there.
-    return field::combine("union",
-                          {std::move(rock), field::function(impl::outside_of(box.grown(size_), steep))});
+    return field::unite({std::move(rock), field::function(impl::outside_of(box.grown(size_), steep))});
   }
 
   /// The sediment in it; null for none.

@@ -90,7 +90,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   result.report = {{"area_m2", 0.0}, {"primitives", std::int64_t{0}}};
   if (!inside) return result;
   const auto heights = second(site, p, progress);
-  field::TerrainSettings settings;
+  field::HeightfieldSettings settings;
   settings.influence = site.influence;
   settings.amplitude = site.amplitude;
   const auto low = std::min_element(heights->values.values().begin(), heights->values.values().end());
@@ -108,10 +108,10 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
       for (float& h : lid->values.values()) h += static_cast<float>(thickness);
       top = field::heightfield(std::move(lid), settings);
     }
-    rock = field::combine("difference", {std::move(top), std::move(rock)});
+    rock = field::subtract(std::move(top), std::move(rock));
   }
   field::Domain prism{box, inside};
-  rock = field::combine("intersection", {std::move(rock), field::domain(prism, settings)});
+  rock = field::intersect({std::move(rock), field::domain(prism, settings)});
   double area = 0;
   for (float v : inside->values.values()) area += v > 0;
   result.report = {{"area_m2", area * heights->placement.dx * heights->placement.dy},

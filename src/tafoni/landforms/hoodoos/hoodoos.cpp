@@ -249,7 +249,7 @@ class Hoodoos {
       primitives += static_cast<std::int64_t>(builder.size());
       solids.push_back(builder.finish());
     }
-    if (!solids.empty()) result.nodes.push_back(creased(field::combine("blend", std::move(solids))));
+    if (!solids.empty()) result.nodes.push_back(creased(field::blend(std::move(solids))));
     std::vector<double> positions;
     for (const Vec3d p : feet)
       for (double v :

@@ -87,17 +87,16 @@ class Shape {
         under->values.at(col, row) =
             static_cast<float>(std::min(under_at(col, row, in), z - 0.02 * island_.size));
       }
-    field::TerrainSettings settings;
+    field::HeightfieldSettings settings;
     settings.influence = reach();
     settings.amplitude = ground_.site().amplitude;
     steepest_ = 1.5 * std::max(impl::steepest(*top), impl::steepest(*under));
     lowest_ = *std::min_element(under->values.values().begin(), under->values.values().end());
     highest_ = *std::max_element(top->values.values().begin(), top->values.values().end());
     const field::Domain prism{box(), inside_};
-    return field::combine("intersection",
-                          {field::combine("difference", {field::heightfield(top, settings),
-                                                         field::heightfield(under, settings)}),
-                           field::domain(prism, settings)});
+    return field::intersect(
+        {field::subtract(field::heightfield(top, settings), field::heightfield(under, settings)),
+         field::domain(prism, settings)});
   }
 
   /// Encloses the rock.
@@ -358,7 +357,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   result.reshape = [trees](field::NodePtr tree) {
     std::vector<field::NodePtr> all = {std::move(tree)};
     all.insert(all.end(), trees.begin(), trees.end());
-    return field::combine("union", std::move(all));
+    return field::unite(std::move(all));
   };
   return result;
 }

@@ -284,7 +284,7 @@ field::NodePtr carve_passages(const CaveSystem& caves, const Ground& ground,
   });
   std::vector<Point> body = joined(parts), wall = joined(walls), hall = joined(halls);
   const auto with = [&](const field::NodePtr& node) {
-    return field::compile(field::combine("blend", {ground.site().terrain, node}));
+    return field::compile(field::blend({ground.site().terrain, node}));
   };
   const auto opened = [&] {
     std::vector<Point> all = body;
@@ -303,7 +303,7 @@ field::NodePtr carve_passages(const CaveSystem& caves, const Ground& ground,
   if (!open) return nullptr;
   drop_pockets(with(open), settings.radius, true, wall);
   const field::NodePtr scooped = cloud_of(wall, ground);
-  return scooped ? field::combine("blend", {open, scooped}) : open;
+  return scooped ? field::blend({open, scooped}) : open;
 }
 
 }  // namespace tafoni::landforms::impl

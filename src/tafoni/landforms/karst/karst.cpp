@@ -261,7 +261,7 @@ class Karst {
     const auto caves = impl::make_passages(field_, ground_, percolation, shape);
     const field::NodePtr node = impl::carve_passages(caves, ground_, shape);
     if (!node) return report({}, {}, {});
-    const auto carved = field::compile(field::combine("blend", {ground_.site().terrain, node}));
+    const auto carved = field::compile(field::blend({ground_.site().terrain, node}));
     return report(node, caves, impl::open_networks(carved, caves));
   }
 

@@ -119,7 +119,7 @@ class SeaCliff {
   void add(field::NodePtr node, Result& result) {
     if (!node) return;
     result.nodes.push_back(node);
-    tree_ = field::combine("blend", {tree_, std::move(node)});
+    tree_ = field::blend({tree_, std::move(node)});
   }
 
   /// Miller's accessibility, the best within a few metres: the foot of a straight cliff is no sheltered nook.

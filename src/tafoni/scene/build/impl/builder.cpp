@@ -32,7 +32,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-field::TerrainSettings field_settings(const TerrainSettings& t) {
+field::HeightfieldSettings field_settings(const TerrainSettings& t) {
   return {t.influence, t.amplitude, t.interpolation == "bicubic", t.distance == "first-order"};
 }
 
@@ -157,7 +157,7 @@ Built Builder::build(const Document& document, const SlotSource& slots, Progress
   make_geology(stage);
   run_layers(stage, progress);
   BuiltScene& scene = stage.scene;
-  scene.solid = field::combine("intersection", {scene.open, stage.domain});
+  scene.solid = field::intersect({scene.open, stage.domain});
   for (const BuiltLayer& layer : stage.built.layers) scene.layers.push_back(layer.result);
   stage.built.scene = std::make_shared<BuiltScene>(std::move(scene));
   return std::move(stage.built);
@@ -318,9 +318,8 @@ BuiltLayer Builder::sculpt(Stage& stage, const Layer& layer, std::uint64_t seed)
     const auto limit = static_cast<float>(frame.amplitude);
     if (settle)
       out.result.made.reshape = [limit](field::NodePtr below) {
-        return field::combine(
-            "intersection",
-            {field::combine("union", {std::move(below), field::constant(-limit)}), field::constant(limit)});
+        return field::intersect(
+            {field::unite({std::move(below), field::constant(-limit)}), field::constant(limit)});
       };
   }
   std::int64_t strokes = 0, muted = 0;
