@@ -104,9 +104,8 @@ void chunk(benchmark::State& state, bool bicubic) {
   field::CloudBuilder cloud(field::CloudSettings{});
   for (Vec3d p : random_points(static_cast<std::size_t>(state.range(0)), {{0, 0, 28}, {64, 64, 36}}))
     field::add_point(cloud, p, 5, -1);
-  const field::TerrainSettings settings{.bicubic = bicubic, .first_order = bicubic};
-  const auto field =
-      field::compile(field::combine("blend", {field::heightfield(heights, settings), cloud.finish()}));
+  const field::HeightfieldSettings settings{.bicubic = bicubic, .first_order = bicubic};
+  const auto field = field::compile(field::blend({field::heightfield(heights, settings), cloud.finish()}));
   field::ChunkEvaluator evaluator(field, 1.0);
   field::ChunkSamples samples;
   std::int64_t evaluated = 0;
@@ -185,7 +184,7 @@ field::NodePtr pillared_hills() {
   std::vector<field::Placement> placements;
   for (Vec3d p : random_points(40, {{0, 0, 28}, {64, 64, 30}}))
     placements.push_back({p, p.x, 0, 1 + p.y / 64});
-  return field::combine("blend", {hilly_chunk(), field::instances(pillar(), placements)});
+  return field::blend({hilly_chunk(), field::instances(pillar(), placements)});
 }
 
 /// The bricks of one chunk of 64^3 cells that may hold surface, and the test of all the others.

@@ -169,7 +169,7 @@ void run(int count, int cells, int queries) {
   const Ground ground = make_ground();
   const std::vector<Sphere> spheres = tunnels(count);
   const field::CompiledField field =
-      field::compile(field::combine("blend", {ground_node(ground, true), cloud_of(spheres)}));
+      field::compile(field::blend({ground_node(ground, true), cloud_of(spheres)}));
   const double voxel = extent / cells;
   surface::PolygonizeSettings settings;
   settings.voxel = voxel;

@@ -100,8 +100,7 @@ field::NodePtr terrain_node(const Ground& ground, const Options& o) {
   const field::NodePtr node = ground_node(ground, o.paper);
   if (!o.solid) return node;
   const field::Domain domain{.box = ground.region, .inside = {}};
-  return field::combine("intersection",
-                        {node, field::domain(domain, {.influence = influence, .amplitude = amplitude})});
+  return field::intersect({node, field::domain(domain, {.influence = influence, .amplitude = amplitude})});
 }
 
 /// CPU time of all threads, which other work on the machine disturbs less than the wall clock.
@@ -151,7 +150,7 @@ Row run(const Options& o) {
   getrusage(RUSAGE_SELF, &before);
   const double t0 = seconds();
   const field::NodePtr points = cloud_of(spheres);
-  const field::NodePtr tree = field::combine("blend", {terrain_node(ground, o), points});
+  const field::NodePtr tree = field::blend({terrain_node(ground, o), points});
   const double t1 = seconds();
   const field::CompiledField field = field::compile(tree);
   const double t2 = seconds();

@@ -74,7 +74,7 @@ void strokes_at(Vec2d place, int strokes, const Brush& brush_kind, const field::
     field::add_point(cloud, at, brush, random.uniform(-8, -7));
     const field::NodePtr stroke = cloud.finish();
     const Box3d changed = field::support(stroke);
-    tree = field::combine("blend", {tree, stroke});
+    tree = field::blend({tree, stroke});
     const field::CompiledField field = field::compile(tree);
     const double t1 = seconds();
     mesher.update(field, {&changed, 1});
@@ -100,8 +100,7 @@ void strokes_at(Vec2d place, int strokes, const Brush& brush_kind, const field::
 
 void run(int strokes, const Brush& brush_kind) {
   const Ground ground = make_ground();
-  const field::NodePtr scene =
-      field::combine("blend", {ground_node(ground, true), cloud_of(tunnels(165000))});
+  const field::NodePtr scene = field::blend({ground_node(ground, true), cloud_of(tunnels(165000))});
   Random random(21);
   Row row;
   for (int p = 0; p < places; ++p)

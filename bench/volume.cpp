@@ -46,8 +46,8 @@ void sampling() {
   const bench::Ground ground = bench::make_ground();
   field::CloudBuilder cloud({"point", bench::influence, {}});
   for (const bench::Sphere& s : bench::tunnels(10000)) field::add_point(cloud, s.center, s.radius, s.energy);
-  const field::CompiledField field = field::compile(field::combine(
-      "blend", {field::heightfield(ground.heights, {bench::influence, bench::amplitude}), cloud.finish()}));
+  const field::CompiledField field = field::compile(field::blend(
+      {field::heightfield(ground.heights, {bench::influence, bench::amplitude}), cloud.finish()}));
   const double h = 2.5, middle = bench::extent / 2;
   const volume::GridFrame frame{{middle - 256 * h, middle - 256 * h, -48 * h}, h, {512, 512, 96}};
   const double samples = 512.0 * 512 * 96;

@@ -38,7 +38,7 @@ Node::~Node() {
   }
 }
 
-NodePtr heightfield(std::shared_ptr<const raster::Raster> heights, const TerrainSettings& settings) {
+NodePtr heightfield(std::shared_ptr<const raster::Raster> heights, const HeightfieldSettings& settings) {
   for (float h : heights->values.values())
     if (!std::isfinite(h))
       fail(ErrorKind::internal, "a heightfield must be filled before it becomes a field");
@@ -46,7 +46,7 @@ NodePtr heightfield(std::shared_ptr<const raster::Raster> heights, const Terrain
                                                  impl::Sigma(settings), settings.first_order});
 }
 
-NodePtr domain(const Domain& domain, const TerrainSettings& settings) {
+NodePtr domain(const Domain& domain, const HeightfieldSettings& settings) {
   if (!(domain.box.lo.x < domain.box.hi.x) || !(domain.box.lo.y < domain.box.hi.y))
     fail(ErrorKind::usage, "the domain is empty");
   return std::make_shared<Node>(impl::DomainLeaf{

@@ -20,7 +20,7 @@ class Node;
 using NodePtr = std::shared_ptr<const Node>;
 
 /// How far from the surface the heightfield's field reaches [Paris19 §5.1].
-struct TerrainSettings {
+struct HeightfieldSettings {
   double influence = 15.0;  ///< R, metres; R <= 3T is enforced, or sigma would not be monotone
   double amplitude = 7.5;   ///< T, metres: the field's greatest magnitude
   bool bicubic = true;      ///< Catmull-Rom, C1; else bilinear
@@ -29,7 +29,7 @@ struct TerrainSettings {
 
 /// f_T = sigma(distance to the surface of `heights`). Heights are local metres, all finite; outside the
 /// raster the nearest pixel's value continues.
-NodePtr heightfield(std::shared_ptr<const raster::Raster> heights, const TerrainSettings& settings);
+NodePtr heightfield(std::shared_ptr<const raster::Raster> heights, const HeightfieldSettings& settings);
 
 /// f_P = sigma(signed distance to the border of Omega x [base, infinity)), positive inside.
 /// Omega is a rectangle, cut by an optional raster of signed distances in metres (positive inside,
@@ -38,7 +38,7 @@ struct Domain {
   Box3d box;  ///< x and y limits; box.lo.z is the base; box.hi.z is not used
   std::shared_ptr<const raster::Raster> inside;  ///< may be null
 };
-NodePtr domain(const Domain& domain, const TerrainSettings& settings);
+NodePtr domain(const Domain& domain, const HeightfieldSettings& settings);
 
 /// A field equal to `value` everywhere; -T under a union turns a cloud into a solid of its own.
 NodePtr constant(float value);

@@ -17,11 +17,11 @@ field::NodePtr tree_of(const Form& form, const Pose& outer) {
   for (const FormPtr& child : form.of) of.push_back(tree_of(*child, pose));
   switch (form.operation) {
     case Operation::sum:
-      return field::combine("union", std::move(of));
+      return field::unite(std::move(of));
     case Operation::difference:
       return field::combine("difference", std::move(of));
     case Operation::intersection:
-      return field::combine("intersection", std::move(of));
+      return field::intersect(std::move(of));
     case Operation::morph:
       break;
   }

@@ -7,7 +7,7 @@ namespace tafoni::landforms {
 field::NodePtr apply_to(const field::NodePtr& tree, const Result& result) {
   std::vector<field::NodePtr> children = {result.reshape ? result.reshape(tree) : tree};
   children.insert(children.end(), result.nodes.begin(), result.nodes.end());
-  return field::combine("blend", std::move(children));
+  return field::blend(std::move(children));
 }
 
 const LandformType& find_landform(std::string_view name) {

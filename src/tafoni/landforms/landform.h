@@ -34,13 +34,12 @@ struct Site {
 };
 
 /// What a generator made. The tree that the next layer meets is
-/// combine("blend", {reshape ? reshape(tree) : tree, nodes...}).
+/// blend({reshape ? reshape(tree) : tree, nodes...}).
 struct Result {
   /// A change of the tree that is more than a sum: a union with a solid, a warp, an erosion node. Pure.
   std::function<field::NodePtr(field::NodePtr)> reshape;
   Box3d reshaped;  ///< local; outside of it reshape() changes no value. Empty: nothing reshaped
   std::vector<field::NodePtr> nodes;  ///< blended, in this order
-  std::vector<std::pair<std::string, Value>> report;
   Facts facts;  ///< what reports tell of it
 };
 

@@ -62,7 +62,7 @@ Box3d footprint(const Grid<float>& inside, const raster::Placement& p, int width
 }  // namespace
 
 Terrain make_terrain(const Raster& world, double voxel, const TerrainOptions& options, Progress& progress) {
-  const field::TerrainSettings& settings = options.settings;
+  const field::HeightfieldSettings& settings = options.settings;
   if (!(voxel > 0) || !std::isfinite(voxel))
     fail(ErrorKind::usage, "the voxel size must be a positive number of metres, not {}.", voxel);
   if (!(settings.influence > 0) || !(settings.influence <= 3 * settings.amplitude))
@@ -104,13 +104,12 @@ Terrain make_terrain(const Raster& world, double voxel, const TerrainOptions& op
   return out;
 }
 
-field::NodePtr domain_tree(const Terrain& terrain, const field::TerrainSettings& settings) {
+field::NodePtr domain_tree(const Terrain& terrain, const field::HeightfieldSettings& settings) {
   return field::domain({terrain.box, terrain.inside}, settings);
 }
 
-field::NodePtr terrain_tree(const Terrain& terrain, const field::TerrainSettings& settings) {
-  return field::combine("intersection",
-                        {field::heightfield(terrain.heights, settings), domain_tree(terrain, settings)});
+field::NodePtr terrain_tree(const Terrain& terrain, const field::HeightfieldSettings& settings) {
+  return field::intersect({field::heightfield(terrain.heights, settings), domain_tree(terrain, settings)});
 }
 
 }  // namespace tafoni::terrain

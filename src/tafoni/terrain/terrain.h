@@ -34,7 +34,7 @@ struct Terrain {
 };
 
 struct TerrainOptions {
-  field::TerrainSettings settings;
+  field::HeightfieldSettings settings;
   double depth = 0;  ///< metres of rock below the lowest height beyond the R that is always there
   /// World coordinates, even-odd rule; empty: no limit beyond the data's own.
   std::vector<std::vector<Vec2d>> polygons;
@@ -46,8 +46,8 @@ Terrain make_terrain(const raster::Raster& world, double voxel, const TerrainOpt
                      Progress& progress = silent());
 
 /// f_P: the prism of the terrain's domain.
-field::NodePtr domain_tree(const Terrain& terrain, const field::TerrainSettings& settings);
+field::NodePtr domain_tree(const Terrain& terrain, const field::HeightfieldSettings& settings);
 /// min(f_T, f_P).
-field::NodePtr terrain_tree(const Terrain& terrain, const field::TerrainSettings& settings);
+field::NodePtr terrain_tree(const Terrain& terrain, const field::HeightfieldSettings& settings);
 
 }  // namespace tafoni::terrain

@@ -17,7 +17,7 @@ namespace tafoni::field::impl {
 /// sigma(R) = T, sigma'(R) = 0. (The paper prints sigma(R) = 2T, with T added.)
 struct Sigma {
   float influence, amplitude, k2, k3;
-  explicit Sigma(const TerrainSettings& settings);
+  explicit Sigma(const HeightfieldSettings& settings);
   float operator()(float x) const;
 };
 

@@ -18,7 +18,7 @@ Sampler::Range join(const Sampler::Range& a, const Sampler::Range& b) {
 
 }  // namespace
 
-Sigma::Sigma(const TerrainSettings& settings)
+Sigma::Sigma(const HeightfieldSettings& settings)
     : influence(static_cast<float>(settings.influence)), amplitude(static_cast<float>(settings.amplitude)) {
   const double r = settings.influence, t = settings.amplitude;
   if (!(r > 0) || !(t > 0) || !std::isfinite(r) || !std::isfinite(t))

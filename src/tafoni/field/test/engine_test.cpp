@@ -27,7 +27,7 @@ NodePtr scene(const NodePtr& terrain, int points, double extent, std::uint64_t s
     add_point(cloud,
               {random.uniform(-extent, extent), random.uniform(-extent, extent), random.uniform(-20, 20)},
               random.uniform(2.5, radius_hi), random.uniform(-9, 4));
-  return combine("blend", {terrain, cloud.finish()});
+  return blend({terrain, cloud.finish()});
 }
 
 TEST(Engine, ChunksEqualPointsBitForBit) {
@@ -67,10 +67,9 @@ TEST(Engine, EveryKindAndOperatorPrunesExactly) {
     segments.add(somewhere(), e, std::vector<float>{r + 1, step(), step(), step()});
     curves.add(somewhere(), e, std::vector<float>{r + 1, step(), step(), step(), step(), step(), step()});
   }
-  const NodePtr ball = combine("blend", {constant(-7.5f), spheres.finish()});
-  const NodePtr root =
-      combine("difference", {combine("union", {combine("blend", {terrain(), segments.finish()}), ball}),
-                             combine("blend", {constant(-7.5f), curves.finish()})});
+  const NodePtr ball = blend({constant(-7.5f), spheres.finish()});
+  const NodePtr root = subtract(unite({blend({terrain(), segments.finish()}), ball}),
+                                blend({constant(-7.5f), curves.finish()}));
   EXPECT_GT(Lattice(compile(root), 0.8).check(-1, 0, -1, 0), 10000u);
 }
 
@@ -79,14 +78,14 @@ TEST(Engine, PrimitivesMayStraddleAnyBorderAndVaryInSize) {
   for (int i = -2; i <= 2; ++i)
     for (double r : {0.4, 3.0, 30.0}) add_point(cloud, {i * 64.0, 64.0, i * 0.001}, r, -8 - i);
   add_point(cloud, {0, 0, 0}, 200, 1);
-  const CompiledField field = compile(combine("blend", {terrain(), cloud.finish()}));
+  const CompiledField field = compile(blend({terrain(), cloud.finish()}));
   EXPECT_GT(Lattice(field, 1.0).check(-2, 1, 0, 1), 10000u);
 }
 
 TEST(Engine, AMillionPrimitivesAtOneSpot) {
   CloudBuilder cloud({"point", 15, {}});
   for (int i = 0; i < 1000000; ++i) add_point(cloud, {3, 4, 0}, 1.5, i % 2 ? -1.01 : 1.0);
-  const CompiledField field = compile(combine("blend", {terrain(), cloud.finish()}));
+  const CompiledField field = compile(blend({terrain(), cloud.finish()}));
   // Far from the spot nothing is spent on it.
   EXPECT_EQ(field.value({80, 80, 0}), compile(terrain()).value({80, 80, 0}));
   // A float sum of n terms may lose n 2^-24 of the sum of their magnitudes; in practice far less.
@@ -97,7 +96,7 @@ TEST(Engine, AMillionPrimitivesAtOneSpot) {
 
 TEST(Engine, NoPrimitivesAtAll) {
   CloudBuilder cloud({"point", 15, {}});
-  const CompiledField field = compile(combine("blend", {terrain(), cloud.finish()}));
+  const CompiledField field = compile(blend({terrain(), cloud.finish()}));
   const CompiledField bare = compile(terrain());
   Random random(1);
   for (int i = 0; i < 200; ++i) {
@@ -116,7 +115,7 @@ TEST(Engine, OrderOfAddingAndThreadsDoNotMatter) {
     CloudBuilder cloud({"point", 15, {}});
     for (std::size_t i = 0; i < centers.size(); ++i)
       add_point(cloud, centers[reversed ? centers.size() - 1 - i : i], 5, -3);
-    return compile(combine("blend", {terrain(), cloud.finish()}));
+    return compile(blend({terrain(), cloud.finish()}));
   };
   const CompiledField one = build(false), other = build(true);
   std::vector<float> a(centers.size()), b(centers.size());
@@ -149,11 +148,11 @@ TEST(Engine, AgreesWithTheDefinitionInDouble) {
       balls.add(prims.back().c, static_cast<float>(prims.back().e),
                 std::vector<float>{static_cast<float>(prims.back().r)});
   }
-  const TerrainSettings settings{R, T, false, false};
-  const CompiledField field = compile(combine(
-      "blend", {combine("intersection", {heightfield(heights, settings),
-                                         domain({{{-100, -100, -60}, {100, 100, 0}}, nullptr}, settings)}),
-                cloud.finish(), balls.finish()}));
+  const HeightfieldSettings settings{R, T, false, false};
+  const CompiledField field =
+      compile(blend({intersect({heightfield(heights, settings),
+                                domain({{{-100, -100, -60}, {100, 100, 0}}, nullptr}, settings)}),
+                     cloud.finish(), balls.finish()}));
   const auto sigma = [&](double x) {
     const double a = std::fabs(x);
     const double s =
@@ -248,7 +247,7 @@ TEST(Engine, IntervalsEncloseValues) {
 
 TEST(Engine, DeepTreesNeitherOverflowNorLeak) {
   NodePtr node = terrain();
-  for (int i = 0; i < 200000; ++i) node = combine("union", {node, constant(-1000.f)});
+  for (int i = 0; i < 200000; ++i) node = unite({node, constant(-1000.f)});
   EXPECT_EQ(compile(node).value({1, 2, 0}), compile(terrain()).value({1, 2, 0}));
 }
 

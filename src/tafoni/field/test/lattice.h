@@ -29,11 +29,11 @@ inline std::shared_ptr<raster::Raster> hills(int size, double pixel, double heig
 
 inline NodePtr terrain(double influence = 15, double amplitude = 7.5, bool bicubic = true,
                        bool first_order = true, bool prism = true) {
-  const TerrainSettings settings{influence, amplitude, bicubic, first_order};
+  const HeightfieldSettings settings{influence, amplitude, bicubic, first_order};
   const auto heights = hills(40, 5, 12, 3);
   const NodePtr land = heightfield(heights, settings);
   if (!prism) return land;
-  return combine("intersection", {land, domain({{{-100, -100, -60}, {100, 100, 0}}, nullptr}, settings)});
+  return intersect({land, domain({{{-100, -100, -60}, {100, 100, 0}}, nullptr}, settings)});
 }
 
 /// Every lattice sample of the box of chunks, evaluated with no pruning but the engine's own summation order.

@@ -84,7 +84,7 @@ NodePtr spots(int count, double extent, std::uint64_t seed, double energy = -7) 
 }
 
 NodePtr land(int count = 200, std::uint64_t seed = 1) {
-  return combine("blend", {terrain(), spots(count, 70, seed)});
+  return blend({terrain(), spots(count, 70, seed)});
 }
 
 const WarpSettings folds{{3, 2, 1.5}, 19, 11, 3, 5};
@@ -98,7 +98,7 @@ NodePtr hoodoo() {
     balls.add({random.uniform(-1, 1), random.uniform(-1, 1), i * 1.5}, 6, std::vector<float>{radius});
   }
   add_segment(stem, {0, 0, -2}, {0.5, 0, 13}, 3, 5);
-  return combine("blend", {balls.finish(), stem.finish()});
+  return blend({balls.finish(), stem.finish()});
 }
 
 std::vector<Placement> places(int count, std::uint64_t seed, double extent = 80) {
@@ -122,7 +122,7 @@ std::vector<Case> cases() {
   std::vector<Case> out;
   const auto add = [&](std::string name, NodePtr tree) { out.push_back({std::move(name), std::move(tree)}); };
   const NodePtr ground = land();
-  const NodePtr ball = combine("blend", {constant(-7.5f), spots(12, 20, 9, 12)});
+  const NodePtr ball = blend({constant(-7.5f), spots(12, 20, 9, 12)});
   const NodePtr eroded = erode(ground, patch(1), rock(2), 4);
   const NodePtr warped = warp(ground, patch(3), folds);
   add("erode", eroded);
@@ -132,20 +132,18 @@ std::vector<Case> cases() {
   add("warp_of_a_warp", warp(warp(ground, patch(4), folds), nullptr, {{1, 1, 1}, 7, 9, 2, 8}));
   add("erode_a_warp", erode(warped, patch(5), rock(6), 4));
   add("warp_an_erosion", warp(eroded, patch(7), folds));
-  add("union_of_warps", combine("union", {warped, warp(ball, nullptr, folds)}));
+  add("union_of_warps", unite({warped, warp(ball, nullptr, folds)}));
   add("transform", transform(ground, {{5, -7, 2}, 0.7, 0, 1.2}));
-  add("transform_tilted", combine("union", {ground, transform(ball, {{10, 6, 4}, 0.7, 0.9, 0.8})}));
+  add("transform_tilted", unite({ground, transform(ball, {{10, 6, 4}, 0.7, 0.9, 0.8})}));
   add("transform_a_warp", transform(warped, {{3, 4, 1}, -2, 0.05, 0.9}));
   add("round", round_edge(ground, transform(eroded, {{9, 0, 0}, 1, 0, 1}), 1.5));
   add("morph", morph(ground, transform(eroded, {{9, 0, 0}, 1, 0, 1}), 0.3));
-  add("instances", combine("blend", {ground, instances(hoodoo(), places(300, 1))}));
+  add("instances", blend({ground, instances(hoodoo(), places(300, 1))}));
   add("instances_alone",
-      combine("union",
-              {constant(-7.5f), combine("blend", {constant(-7.5f), instances(hoodoo(), places(40, 4))})}));
-  add("warp_instances", warp(combine("blend", {ground, instances(hoodoo(), places(60, 2))}), nullptr, folds));
+      unite({constant(-7.5f), blend({constant(-7.5f), instances(hoodoo(), places(40, 4))})}));
+  add("warp_instances", warp(blend({ground, instances(hoodoo(), places(60, 2))}), nullptr, folds));
   add("instances_of_instances",
-      combine("blend", {ground, instances(instances(warp(hoodoo(), nullptr, folds), places(5, 3, 12)),
-                                          places(20, 5))}));
+      blend({ground, instances(instances(warp(hoodoo(), nullptr, folds), places(5, 3, 12)), places(20, 5))}));
   add("controls_of_primitives", erode(warp(ground, as_function(spots(30, 50, 3, 3)), folds),
                                       as_function(spots(30, 50, 4, 3)), rock(1), 4));
   return out;
@@ -283,7 +281,7 @@ TEST(Warp, MovesTheSurfaceByUpToItsAmplitudeAndFarFromTheOriginToo) {
   auto flat = std::make_shared<raster::Raster>();
   flat->values = raster::Grid<float>(8, 8, 0.f);
   flat->placement = {100000, 100040, 5, 5};
-  const NodePtr plain = heightfield(flat, TerrainSettings{15, 7.5, true, false});
+  const NodePtr plain = heightfield(flat, HeightfieldSettings{15, 7.5, true, false});
   const CompiledField field = compile(warp(plain, nullptr, {{0, 0, 3}, 25, 25, 2, 4}));
   double least = 9, most = -9, before = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -336,7 +334,7 @@ TEST(Instances, AreTheBlendOfTransforms) {
   const auto at = places(40, 1, 25);
   std::vector<NodePtr> copies;
   for (const Placement& p : at) copies.push_back(transform(hoodoo(), p));
-  const CompiledField all = compile(instances(hoodoo(), at)), one_by_one = compile(combine("blend", copies));
+  const CompiledField all = compile(instances(hoodoo(), at)), one_by_one = compile(blend(copies));
   int inside = 0;
   for (const Vec3d& p : some_points(3000, 35, 5)) {
     const float v = all.value(p);
@@ -379,9 +377,8 @@ TEST(Support, IsExactlyWhereATreeVanishes) {
   EXPECT_FALSE(support(constant(1)).bounded());
   for (const NodePtr& tree :
        {cloud, warp(cloud, nullptr, folds), transform(cloud, {{40, 3, 1}, 1, 0.6, 2}),
-        instances(hoodoo(), places(9, 7, 40)),
-        combine("union", {cloud, transform(cloud, {{9, 9, 9}, 0, 0, 1})}), function(patch(1)),
-        erode(cloud, patch(1), rock(1), 2), morph(cloud, function(patch(2)), 0.4)}) {
+        instances(hoodoo(), places(9, 7, 40)), unite({cloud, transform(cloud, {{9, 9, 9}, 0, 0, 1})}),
+        function(patch(1)), erode(cloud, patch(1), rock(1), 2), morph(cloud, function(patch(2)), 0.4)}) {
     const Box3d box = support(tree);
     ASSERT_TRUE(box.bounded());
     const CompiledField field = compile(tree);

@@ -281,12 +281,12 @@ std::uint64_t field_hash() {
   heights->values = raster::Grid<float>(20, 20);
   heights->placement = {-50, 50, 5, 5};
   for (float& h : heights->values.values()) h = static_cast<float>(random.uniform(-20, 20));
-  const NodePtr land = combine("union", {combine("blend", parts), heightfield(heights, TerrainSettings{})});
+  const NodePtr land = unite({blend(parts), heightfield(heights, HeightfieldSettings{})});
   const std::vector<Placement> places{{{9, 4, 3}, 1, 0.5, 1.2}, {{-20, 4, 1}, -2, 0, 0.7}};
   const FunctionPtr control = as_function(parts[1]), resistance = as_function(parts[2]);
-  const CompiledField field = compile(morph(
-      combine("blend", {warp(erode(land, control, resistance, 3), control, {}), instances(parts[3], places)}),
-      transform(land, places[0]), 0.3));
+  const CompiledField field = compile(
+      morph(blend({warp(erode(land, control, resistance, 3), control, {}), instances(parts[3], places)}),
+            transform(land, places[0]), 0.3));
   std::vector<Vec3d> points(5000);
   for (Vec3d& p : points) p = {random.uniform(-50, 50), random.uniform(-50, 50), random.uniform(-40, 40)};
   std::vector<float> values(points.size());

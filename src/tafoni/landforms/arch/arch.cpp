@@ -399,10 +399,10 @@ class Arches {
       if (!bridges.empty()) {
         std::vector<field::NodePtr> all = {std::move(tree)};
         all.insert(all.end(), bridges.begin(), bridges.end());
-        tree = field::combine("union", std::move(all));
+        tree = field::unite(std::move(all));
       }
       if (windows.empty()) return tree;
-      return field::combine("difference", {tree, field::combine("union", windows)});
+      return field::subtract(tree, field::unite(windows));
     };
     return result;
   }

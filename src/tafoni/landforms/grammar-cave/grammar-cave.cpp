@@ -198,8 +198,8 @@ class Cave {
     result.facts = facts_of(measures(box));
     // Walls are rock around air: the solid is the other side of them.
     result.reshape = [rock = walls(box), alone = p_.alone](field::NodePtr tree) {
-      const field::NodePtr inside = field::combine("difference", {field::constant(far), rock});
-      return alone ? inside : field::combine("union", {std::move(tree), inside});
+      const field::NodePtr inside = field::subtract(field::constant(far), rock);
+      return alone ? inside : field::unite({std::move(tree), inside});
     };
     result.reshaped = p_.alone ? Box3d::everything() : around(box);
     return result;
@@ -250,7 +250,7 @@ class Cave {
       warp.seed = hash_combine(site_.seed, Stream::bends);
       air = field::warp(std::move(air), nullptr, warp);
     }
-    field::NodePtr rock = field::combine("difference", {field::constant(far), std::move(air)});
+    field::NodePtr rock = field::subtract(field::constant(far), std::move(air));
     if (site_.geology && wear() > 0)
       rock = field::erode(std::move(rock), nullptr, geology::as_function(site_.geology), wear());
     if (!way_.stretches.empty())

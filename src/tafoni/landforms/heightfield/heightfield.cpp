@@ -120,10 +120,10 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
       for (float& h : lid->values.values()) h += static_cast<float>(thickness);
       top = field::heightfield(std::move(lid), settings);
     }
-    rock = field::combine("difference", {std::move(top), std::move(rock)});
+    rock = field::subtract(std::move(top), std::move(rock));
   }
   field::Domain prism{box, inside};
-  rock = field::combine("intersection", {std::move(rock), field::domain(prism, settings)});
+  rock = field::intersect({std::move(rock), field::domain(prism, settings)});
   double area = 0;
   for (float v : inside->values.values()) area += v > 0;
   result.facts.area("area", area * heights->placement.dx * heights->placement.dy).count("primitives", 0);

@@ -238,9 +238,8 @@ Result Hollow::finish(Progress& progress) const {
     field::NodePtr cut = field::function(
         std::make_shared<WornRims>(shape, field::as_function(tree, -limit, limit), std::min(worn, 0.3 * t)));
     if (control)
-      cut = field::combine("intersection",
-                           {std::move(cut), field::function(std::make_shared<Fence>(control, t))});
-    return field::combine("difference", {std::move(tree), std::move(cut)});
+      cut = field::intersect({std::move(cut), field::function(std::make_shared<Fence>(control, t))});
+    return field::subtract(std::move(tree), std::move(cut));
   };
   return result;
 }

@@ -162,7 +162,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   result.reshape = [trees](field::NodePtr tree) {
     std::vector<field::NodePtr> all = {std::move(tree)};
     all.insert(all.end(), trees.begin(), trees.end());
-    return field::combine("union", std::move(all));
+    return field::unite(std::move(all));
   };
   return result;
 }

@@ -328,7 +328,7 @@ field::NodePtr carve_passages(const CaveSystem& caves, const Ground& ground, con
   });
   std::vector<Point> body = join(parts), wall = join(walls), hall = join(halls);
   const auto with = [&](const field::NodePtr& node) {
-    return field::compile(field::combine("blend", {ground.site().terrain, node}));
+    return field::compile(field::blend({ground.site().terrain, node}));
   };
   const auto open_all = [&] {
     std::vector<Point> all = body;
@@ -347,7 +347,7 @@ field::NodePtr carve_passages(const CaveSystem& caves, const Ground& ground, con
   if (!open) return nullptr;
   drop_pockets(with(open), size.radius, true, wall);
   const field::NodePtr scooped = cloud_of(wall, ground);
-  return scooped ? field::combine("blend", {open, scooped}) : open;
+  return scooped ? field::blend({open, scooped}) : open;
 }
 
 }  // namespace tafoni::landforms::impl

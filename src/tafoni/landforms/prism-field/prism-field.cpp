@@ -263,7 +263,7 @@ class Digging {
         field::function(volume::as_function(fields, {.reach = site_.amplitude, .rounding = p_.rounding})));
     result.reshaped = p_.alone ? Box3d::everything() : over.grown(2 * spacing_ + site_.amplitude);
     result.reshape = [leaf, alone = p_.alone](field::NodePtr tree) {
-      return alone ? leaf : field::combine("union", {std::move(tree), leaf});
+      return alone ? leaf : field::unite({std::move(tree), leaf});
     };
     return result;
   }

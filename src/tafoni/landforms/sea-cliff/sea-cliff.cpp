@@ -140,7 +140,7 @@ class SeaCliff {
   void add(field::NodePtr node, Result& result) {
     if (!node) return;
     result.nodes.push_back(node);
-    tree_ = field::combine("blend", {tree_, std::move(node)});
+    tree_ = field::blend({tree_, std::move(node)});
   }
 
   /// 1 on faces, 0 on ground gentler than the limit; ceilings give way less than walls, so that notches

@@ -104,7 +104,7 @@ class Spires {
     const auto forest = std::make_shared<const impl::Towers>(towers_, texture());
     result.reshaped = forest->box();
     result.reshape = [solid = field::function(forest)](field::NodePtr tree) {
-      return field::combine("union", {std::move(tree), solid});
+      return field::unite({std::move(tree), solid});
     };
     return result;
   }

@@ -27,7 +27,7 @@ field::NodePtr hill(std::uint64_t seed, int passages = 12) {
     for (int col = 0; col < n; ++col)
       heights->values.at(col, row) =
           static_cast<float>(6 * std::sin(0.31 * col) * std::cos(0.23 * row) + 2 * std::sin(0.9 * col + row));
-  const field::TerrainSettings terrain{.influence = 6, .amplitude = 3};
+  const field::HeightfieldSettings terrain{.influence = 6, .amplitude = 3};
   const field::Domain domain{.box = {{2, 2, -25}, {side - 2, side - 2, 40}}, .inside = {}};
   field::CloudBuilder cloud(field::CloudSettings{});
   Random random(seed);
@@ -38,8 +38,8 @@ field::NodePtr hill(std::uint64_t seed, int passages = 12) {
       at += normalized(random_point(random, 1)) * 1.8;
     }
   }
-  const field::NodePtr open = field::combine("blend", {field::heightfield(heights, terrain), cloud.finish()});
-  return field::combine("intersection", {open, field::domain(domain, terrain)});
+  const field::NodePtr open = field::blend({field::heightfield(heights, terrain), cloud.finish()});
+  return field::intersect({open, field::domain(domain, terrain)});
 }
 
 class FieldAndMesh : public ::testing::TestWithParam<double> {
@@ -172,7 +172,7 @@ TEST(FieldCollider, AnUpdatedFieldIsMetWhereItChanged) {
   field::CloudBuilder cloud(field::CloudSettings{});
   field::add_point(cloud, ground->point, 4, -8);
   const field::NodePtr stroke = cloud.finish();
-  const field::CompiledField now = field::compile(field::combine("blend", {before, stroke}));
+  const field::CompiledField now = field::compile(field::blend({before, stroke}));
   const Box3d changed = field::support(stroke);
   collider.update(now, {&changed, 1});
   const auto deeper = collider.ray(above, {0, 0, -1}, 100);

@@ -34,7 +34,7 @@ struct BuiltScene {
   double voxel = 0;  ///< metres; chosen where the document leaves it open
   std::string crs;   ///< WKT; empty when unknown
   terrain::Terrain terrain;
-  field::TerrainSettings settings;
+  field::HeightfieldSettings settings;
   geology::GeologyPtr geology;
   std::vector<LayerResult> layers;                      ///< those enabled
   field::NodePtr open;                                  ///< f_T and the layers

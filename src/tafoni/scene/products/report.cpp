@@ -21,24 +21,6 @@ Json to_json(Vec3d v) {
   return Json::array({v.x, v.y, v.z});
 }
 
-/// Facts in one line of JSON each: units follow names, places are world positions.
-void add_facts(Json& entry, const landforms::Facts& facts, Vec3d origin) {
-  constexpr const char* units[] = {"", "_m", "_m2", "_m3"};
-  for (const landforms::Fact& fact : facts) {
-    Json& value = entry[fact.name + units[static_cast<int>(fact.unit)]];
-    if (const auto* places = std::get_if<landforms::Places>(&fact.content)) {
-      value = Json::array();
-      for (const Vec3d p : places->local) value.push_back(to_json(p + origin));
-    } else {
-      std::visit(
-          [&](const auto& v) {
-            if constexpr (!std::is_same_v<decltype(v), const landforms::Places&>) value = v;
-          },
-          fact.content);
-    }
-  }
-}
-
 Json layers_json(const BuiltScene& scene) {
   Json out = Json::array();
   for (const LayerResult& layer : scene.layers) {
@@ -47,11 +29,6 @@ Json layers_json(const BuiltScene& scene) {
     std::uint64_t primitives = 0;
     for (const auto& node : layer.made.nodes) primitives += field::stats(node).primitives;
     entry["primitives"] = primitives;
-    for (const auto& [name, value] : layer.made.report) {
-      std::string key = name;
-      std::replace(key.begin(), key.end(), ' ', '_');
-      entry[key] = to_json(value);
-    }
     for (const landforms::Fact& fact : layer.made.facts) {
       const auto [key, value] = report_entry(fact, scene.terrain.origin);
       entry[key] = to_json(value);

@@ -67,7 +67,7 @@ SgmSolid sgm_solid(const BuiltScene& scene, const std::string& name) {
   if (field::compile(out.tree).interval(out.box).hi > 0) return out;
   out.tree = layer.made.reshape(field::constant(far));
   if (field::compile(out.tree).value(out.box.grown(1).lo) > 0)
-    out.tree = field::combine("difference", {field::constant(far), out.tree});
+    out.tree = field::subtract(field::constant(far), out.tree);
   return out;
 }
 

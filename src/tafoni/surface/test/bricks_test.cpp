@@ -35,7 +35,7 @@ TEST(BrickPolygonizer, AllBoxesOfBricksTogetherAreTheMesh) {
     const double x = random.uniform(-20, 20), y = random.uniform(-20, 20);
     field::add_point(cloud, {x, y, random.uniform(-20, 20)}, random.uniform(4, 9), 6);
   }
-  const auto field = field::compile(field::combine("blend", {field::constant(-1), cloud.finish()}));
+  const auto field = field::compile(field::blend({field::constant(-1), cloud.finish()}));
   PolygonizeSettings settings;
   settings.voxel = 0.7;
   settings.normals = false;

@@ -55,7 +55,7 @@ field::NodePtr rough_hills() {
                       random.uniform(0, 6),
                       random.uniform(0, 1),
                       random.uniform(0.5, 1.5)});
-  return field::combine("blend", {warped, field::instances(rock.finish(), places)});
+  return field::blend({warped, field::instances(rock.finish(), places)});
 }
 
 struct Cloud {
@@ -91,9 +91,9 @@ class Edited {
   field::CompiledField field() const {
     std::vector<field::NodePtr> parts{ground_};
     for (const Cloud& c : clouds_) parts.push_back(c.node);
-    field::NodePtr tree = field::combine("blend", parts);
+    field::NodePtr tree = field::blend(parts);
     if (cut_) tree = field::combine(cut_ == 1 ? "difference" : "union", {tree, tool_.node});
-    if (prism_) tree = field::combine("intersection", {tree, prism_});
+    if (prism_) tree = field::intersect({tree, prism_});
     return field::compile(tree);
   }
   void close() { prism_ = field::domain({{{-50, -50, -20}, {50, 50, 0}}, nullptr}, {9, 5, true, true}); }
@@ -125,7 +125,7 @@ class Edited {
     const Vec3d at{random_.uniform(-40, 40), random_.uniform(-40, 40), random_.uniform(-8, 8)};
     field::CloudBuilder ball({"sphere", 3, {}});
     field::add_point(ball, at, 3, 206);
-    tool_ = {field::combine("blend", {field::constant(-200.f), ball.finish()}), Box3d{at, at}.grown(6.1)};
+    tool_ = {field::blend({field::constant(-200.f), ball.finish()}), Box3d{at, at}.grown(6.1)};
     return {old, tool_.support};
   }
 
@@ -253,7 +253,7 @@ TEST(Incremental, LooksAtTouchedBricksOnly) {
   field::add_point(cloud, {10.1, 7.3, 0}, 2, -7);
   const field::NodePtr dab = cloud.finish();
   const Box3d box = Box3d{{10.1, 7.3, 0}, {10.1, 7.3, 0}}.grown(2.01);
-  const auto changes = mesher.update(field::compile(field::combine("blend", {ground, dab})), {&box, 1});
+  const auto changes = mesher.update(field::compile(field::blend({ground, dab})), {&box, 1});
   EXPECT_GE(changes.size(), 1u);
   EXPECT_LE(mesher.stats().chunks, 8u);
   // A ball of 10 cells' radius cuts some 700 cells of a million.
@@ -262,7 +262,7 @@ TEST(Incremental, LooksAtTouchedBricksOnly) {
   EXPECT_GT(mesher.stats().vertices, 300u);
   // Nothing changes where the field does not, however large the box.
   const Box3d wide{{-30, -30, -30}, {30, 30, 30}};
-  EXPECT_TRUE(mesher.update(field::compile(field::combine("blend", {ground, dab})), {&wide, 1}).empty());
+  EXPECT_TRUE(mesher.update(field::compile(field::blend({ground, dab})), {&wide, 1}).empty());
 }
 
 TEST(Incremental, AChunkIsAMeshOfItsOwn) {

@@ -40,13 +40,13 @@ struct Hills {
   static double height(double x, double y) { return 15 * std::sin(x * 0.03) * std::cos(y * 0.04); }
 
   field::CompiledField open() const {
-    return field::compile(field::combine("blend", {field::heightfield(heights, {}), spheres}));
+    return field::compile(field::blend({field::heightfield(heights, {}), spheres}));
   }
   field::CompiledField solid() const {
-    const field::NodePtr ground = field::combine(
-        "intersection", {field::heightfield(heights, {}),
-                         field::domain({.box = {{-155, -155, -50}, {155, 155, 0}}, .inside = {}}, {})});
-    return field::compile(field::combine("blend", {ground, spheres}));
+    const field::NodePtr ground =
+        field::intersect({field::heightfield(heights, {}),
+                          field::domain({.box = {{-155, -155, -50}, {155, 155, 0}}, .inside = {}}, {})});
+    return field::compile(field::blend({ground, spheres}));
   }
 
   std::shared_ptr<raster::Raster> heights;

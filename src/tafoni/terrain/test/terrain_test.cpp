@@ -164,7 +164,7 @@ TEST(TerrainTree, IsTheSmallerOfTheHeightfieldAndTheDomain) {
   TerrainOptions options;
   options.depth = 60;
   const Terrain t = make_terrain(world, 0.5, options);
-  const field::TerrainSettings settings;
+  const field::HeightfieldSettings settings;
   const field::CompiledField f = field::compile(terrain_tree(t, settings));
   const auto value = [&](int col, int row, double above) {
     const Vec2d p = t.heights->placement.center(col, row);

@@ -148,8 +148,8 @@ TEST(GridFunction, PrunesExactlyInsideATree) {
                      random.uniform(3, 9), random.uniform(-9, 6));
   const field::NodePtr points = cloud.finish();
   for (const char* op : {"union", "intersection", "difference"}) {
-    const field::CompiledField field = field::compile(field::combine(
-        "blend", {field::combine(op, {field::terrain(15, 7.5, true, true, false), grid}), points}));
+    const field::CompiledField field = field::compile(
+        field::blend({field::combine(op, {field::terrain(15, 7.5, true, true, false), grid}), points}));
     EXPECT_GT(field::Lattice(field, 1).check(-1, 0, -1, 0), 10000u) << op;
   }
 }

@@ -30,7 +30,7 @@ field::NodePtr carved(int points = 300) {
   for (int i = 0; i < points; ++i)
     field::add_point(cloud, {random.uniform(-80, 80), random.uniform(-80, 80), random.uniform(-25, 10)},
                      random.uniform(2, 8), random.uniform(-9, 4));
-  return field::combine("blend", {field::terrain(), cloud.finish()});
+  return field::blend({field::terrain(), cloud.finish()});
 }
 
 class Shape : public field::Function {
@@ -55,8 +55,8 @@ struct Torus final : Shape {
 TEST(Sample, HoldsTheFieldsBits) {
   // With leaves of every kind: heights, domain, primitives, a function, a warp.
   const field::NodePtr ball = field::function(std::make_shared<Sphere>());
-  const field::CompiledField field = field::compile(
-      field::combine("union", {field::warp(carved(), nullptr, {{1.5, 1.5, 1}, 15, 15, 2, 1}), ball}));
+  const field::CompiledField field =
+      field::compile(field::unite({field::warp(carved(), nullptr, {{1.5, 1.5, 1}, 15, 15, 2, 1}), ball}));
   for (const GridFrame& frame :
        {GridFrame{{-70, -66, -40}, 1, {97, 80, 70}}, GridFrame{{-20.13, 7.77, -31.9}, 0.37, {65, 33, 100}}}) {
     const ScalarGrid grid = sample(field, frame);

@@ -98,9 +98,9 @@ NodePtr erode(NodePtr below, FunctionPtr control, FunctionPtr resistance, double
   if (!(depth >= 0) || !std::isfinite(depth))
     fail(ErrorKind::usage, "the depth of erosion must be a length in metres, not {}", depth);
   if (depth == 0) return below;
-  return combine("blend", {std::move(below),
-                           function(std::make_shared<Erosion>(std::move(control), std::move(resistance),
-                                                              static_cast<float>(depth)))});
+  return blend(
+      {std::move(below), function(std::make_shared<Erosion>(std::move(control), std::move(resistance),
+                                                            static_cast<float>(depth)))});
 }
 
 const OperatorType& operator_erode() {

@@ -28,7 +28,7 @@ TEST(Erosion, TubeOpensToTheWantedRadius) {
   field::CloudBuilder cloud{field::CloudSettings{}};
   for (int i = -40; i <= 40; ++i)
     add_point(cloud, {i * step, 0, 0}, reach, -tube_energy(amplitude, open, reach, step));
-  const auto f = field::compile(field::combine("blend", {field::constant(amplitude), cloud.finish()}));
+  const auto f = field::compile(field::blend({field::constant(amplitude), cloud.finish()}));
   for (double x = 0; x < 3; x += 0.13) {
     EXPECT_LT(f.value({x, 0, 0.97 * open}), 0);
     EXPECT_GT(f.value({x, 1.03 * open, 0}), 0);

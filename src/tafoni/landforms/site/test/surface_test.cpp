@@ -19,7 +19,7 @@ field::CompiledField cave() {
   tubes.kind = "segment";
   field::CloudBuilder cloud(tubes);
   add_segment(cloud, {0, -4, 6}, {0, 14, 6}, 9, -30);
-  return field::compile(field::combine("blend", {coast.site.terrain, cloud.finish()}));
+  return field::compile(field::blend({coast.site.terrain, cloud.finish()}));
 }
 
 SurfaceSampling settings(double spacing, std::uint64_t seed) {

@@ -124,7 +124,7 @@ TEST_F(BuildScene, EveryKindOfPrimitiveStandsWhereItsRowSays) {
   const std::string layer = "[[layer]]\ntype = \"primitives\"\nfile = \"k.csv\"\nfalloff = 2\n";
   const BuiltScene plain = build(scene(layer)), noisy = build(scene(layer + "noise = 0.5\n"));
   const auto value = [](const BuiltScene& s, Vec3d local) {
-    return field::compile(field::combine("blend", s.layers[0].made.nodes)).value(local);
+    return field::compile(field::blend(s.layers[0].made.nodes)).value(local);
   };
   for (const Vec3d& p : inside) EXPECT_NEAR(value(plain, plain.terrain.to_local(p)), -3, 1e-3) << p.x;
   const Vec3d wall = plain.terrain.to_local({20, 60, 20 + 6.5});

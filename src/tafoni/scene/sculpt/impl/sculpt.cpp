@@ -100,9 +100,9 @@ field::NodePtr after_run(field::NodePtr sum, const SculptRun& run, double amplit
   std::vector<field::NodePtr> children = {std::move(sum)};
   children.insert(children.end(), run.clouds.begin(), run.clouds.end());
   const auto limit = static_cast<float>(energy_per_amplitude * amplitude);
-  const auto added = field::combine("blend", std::move(children));
-  return run.adds ? field::combine("intersection", {added, field::constant(limit)})
-                  : field::combine("union", {added, field::constant(-limit)});
+  const auto added = field::blend(std::move(children));
+  return run.adds ? field::intersect({added, field::constant(limit)})
+                  : field::unite({added, field::constant(-limit)});
 }
 
 std::vector<int> levels_of(std::span<const Slot> slots,

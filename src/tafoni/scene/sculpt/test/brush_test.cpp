@@ -21,7 +21,7 @@ class Made {
     const auto cooked = cook_.cook({&slot, 1}, frame).value;
     changed_boxes(nullptr, cooked.get(), boxes);
     field_ = std::make_unique<field::CompiledField>(
-        field::compile(field::combine("blend", {field::constant(static_cast<float>(below)), cooked->node})));
+        field::compile(field::blend({field::constant(static_cast<float>(below)), cooked->node})));
   }
   float operator()(Vec3d p) const { return field_->value(p); }
 
