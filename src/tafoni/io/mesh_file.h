@@ -13,8 +13,8 @@ namespace tafoni::io {
 /// What the file of a mesh or a volume says besides its geometry, as far as its format can.
 struct MeshMetadata {
   std::string name = "terrain";
-  std::string crs;   ///< WKT or "EPSG:…"; empty when unknown
-  Values generator;  ///< how it was made: scene parameters, seed, versions
+  std::string crs = {};   ///< WKT or "EPSG:…"; empty when unknown
+  Values generator = {};  ///< how it was made: scene parameters, seed, versions
 };
 
 /// Writes beside `path` and renames, so that no partial file is ever seen. Throws Error{output}.

@@ -1,5 +1,6 @@
 // A program of a stranger, built against what is installed: a hollow ball of rock, made by hand, is asked,
 // met by rays, written as a mesh and dug open. What it checks against is worked out on paper.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -56,7 +57,7 @@ field::CompiledField hollow_ball() {
 
 void ask(const field::CompiledField& rock) {
   expect_near("value in the hollow", rock.value({0, 0, 0}), -hole.value(0), 1e-6);
-  expect_near("value in the rock", rock.value({0, 4, 0}), ball.value(4), 1e-5);
+  expect_near("value in the rock", rock.value({0, 4, 0}), std::min(ball.value(4), -hole.value(4)), 1e-5);
   expect_near("value far away", rock.value({20, 0, 0}), -1, 0);
   const Vec3d at{6, 0, 0};
   float value = 0;
