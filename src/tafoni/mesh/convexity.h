@@ -16,10 +16,10 @@ struct Convexity {
   double factor() const;
 };
 
-/// An edge is convex where each triangle lies behind the other's plane. The document says both that d > 0 is
-/// concave and that T_G, which counts the greater angles, makes the factor of a cube 100 %; the cube decides
-/// here. Edges bent by less than `flat` radians count in neither, or the diagonals of a cube's faces would.
-/// Edges of one triangle, or of more than two, are left out.
+/// An edge is convex where each triangle lies behind the other's plane. [Zawadzki §4.3] says both that d > 0
+/// is concave and that T_G, which counts the greater angles, makes the factor of a cube 100 %; the cube
+/// decides here. Edges bent by less than `flat` radians count in neither, or the diagonals of a cube's faces
+/// would. Edges of one triangle, or of more than two, are left out.
 Convexity convexity(const Mesh& mesh, double flat = 1e-3);
 
 }  // namespace tafoni::mesh

@@ -1,5 +1,5 @@
 #pragma once
-// Checks what DESIGN section 7 promises of every mesh.
+// Checks what every mesh of the program promises: 2-manifold, oriented, no degenerate triangles, no bad data.
 
 #include <cstdint>
 #include <string>
