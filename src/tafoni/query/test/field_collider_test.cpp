@@ -195,7 +195,8 @@ TEST(FieldCollider, BadVoxelsAreErrors) {
               ::testing::HasSubstr("a voxel of 0 m cannot be used"));
   EXPECT_THAT(error_of([&] { FieldCollider(field, {.voxel = std::nan("")}); }),
               ::testing::HasSubstr("a voxel of nan m cannot be used"));
-  EXPECT_THAT(error_of([&] { FieldCollider(field, {.voxel = 1e-9}); }), ::testing::HasSubstr("too"));
+  EXPECT_THAT(error_of([&] { FieldCollider(field, {.voxel = 1e-9}); }),
+              ::testing::HasSubstr("too large for a voxel of 1e-09 m"));
 }
 
 TEST(FieldCollider, ShapesFarLargerThanTheGroundAskOnlyTheGround) {
