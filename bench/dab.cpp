@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "measure.h"
 #include <time.h>
 
 #include "tafoni/core/parallel.h"
@@ -45,9 +46,7 @@ constexpr int side = volume::ScalarGrid::chunk_samples;
 /// Of the calling thread, which a busy machine distorts less; of the wall where there are several threads.
 bool by_wall = false;
 double seconds() {
-  timespec now{};
-  clock_gettime(by_wall ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+  return bench::clock_seconds(by_wall ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID);
 }
 
 double height(double x, double y) {
@@ -60,14 +59,14 @@ volume::ScalarGrid ground(volume::Precision precision) {
   std::vector<double> heights(static_cast<std::size_t>(size.x) * size.y), across(heights.size());
   for (int y = 0; y < size.y; ++y)
     for (int x = 0; x < size.x; ++x) {
-      const auto at = static_cast<std::size_t>(y) * size.x + static_cast<std::size_t>(x);
+      const auto at = static_cast<std::size_t>(y) * size.x + x;
       heights[at] = height(x, y);
       across[at] = std::sin(0.11 * x) * std::cos(0.12 * y) + 0.9;
     }
   volume::ScalarGrid grid({{}, 1, size}, static_cast<float>(-amplitude), precision);
   grid.edit(grid.samples(), [&](Vec3i first, std::span<float> row) {
     const double along = std::sin(0.1 * first.y) * std::cos(0.13 * first.z);
-    const auto at = static_cast<std::size_t>(first.y) * size.x + static_cast<std::size_t>(first.x);
+    const auto at = static_cast<std::size_t>(first.y) * size.x + first.x;
     for (std::size_t i = 0; i < row.size(); ++i)
       row[i] = static_cast<float>(std::clamp(
           std::min(heights[at + i] - first.z, 8 * (across[at + i] + along)), -amplitude, amplitude));
@@ -116,7 +115,7 @@ Samples samples_of(const volume::ScalarGrid& grid, Vec3i chunk) {
                               {std::min(lo.x + side, size.x - 1), std::min(lo.y + side, size.y - 1),
                                std::min(lo.z + side, size.z - 1)}};
   Samples out{box.size(), {}};
-  out.values.resize(static_cast<std::size_t>(out.n.x) * out.n.y * static_cast<std::size_t>(out.n.z));
+  out.values.resize(static_cast<std::size_t>(out.n.x) * out.n.y * out.n.z);
   grid.read(box, out.values.data());
   return out;
 }

@@ -8,7 +8,6 @@
 #include "tafoni/surface/dense_grid.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -17,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include <sys/resource.h>
+#include "measure.h"
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/mesh/validate.h"
@@ -43,18 +42,6 @@ namespace {
 using namespace tafoni;
 
 constexpr int nx = 512, ny = 512, nz = 256;
-
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-/// Of all threads of the process: what a busy machine distorts less.
-double cpu_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
 
 /// A rough terrain riddled with tunnels: six million triangles.
 std::vector<float> samples() {
@@ -168,7 +155,7 @@ int main(int argc, char** argv) {
   contenders.push_back({"OpenVDB volumeToMesh (quads, no normals)",
                         [&] {
                           const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                                          static_cast<std::size_t>(threads));
+                                                          threads);
                           points.clear();
                           quads.clear();
                           openvdb::tools::volumeToMesh(*volume, points, quads, 0.0);
@@ -181,10 +168,10 @@ int main(int argc, char** argv) {
 
   for (int run = 0; run < runs; ++run)
     for (Contender& c : contenders) {
-      const double start = seconds(), cpu_start = cpu_seconds();
+      const double start = bench::wall_seconds(), cpu_start = bench::cpu_seconds();
       c.run();
-      c.cpu_times.push_back(cpu_seconds() - cpu_start);
-      c.times.push_back(seconds() - start);
+      c.cpu_times.push_back(bench::cpu_seconds() - cpu_start);
+      c.times.push_back(bench::wall_seconds() - start);
     }
   const mesh::MeshReport report = mesh::validate(reused);
   std::puts("contender,best_s,median_s,best_cpu_s,vertices,triangles,result_hash");

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -18,7 +17,7 @@
 #include <optional>
 #include <vector>
 
-#include <sys/resource.h>
+#include "measure.h"
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
@@ -29,27 +28,16 @@ namespace {
 using namespace tafoni;
 using namespace tafoni::volume;
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-double cpu_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
-
 /// The best of several runs.
 struct Best {
   double wall = 1e9, cpu = 1e9;
 
   template <class F>
   void time(const F& run, double share = 1) {
-    const double start = seconds(), cpu_start = cpu_seconds();
+    const double start = bench::wall_seconds(), cpu_start = bench::cpu_seconds();
     run();
-    wall = std::min(wall, (seconds() - start) / share);
-    cpu = std::min(cpu, (cpu_seconds() - cpu_start) / share);
+    wall = std::min(wall, (bench::wall_seconds() - start) / share);
+    cpu = std::min(cpu, (bench::cpu_seconds() - cpu_start) / share);
   }
   void print(const char* work, const char* program, int threads, double samples) const {
     std::printf("%s,%s,%d,%.4f,%.4f,%.0f\n", work, program, threads, wall, cpu, samples / cpu / 1e6);
@@ -73,22 +61,15 @@ struct Plain {
   Vec3i size{};
   std::vector<float> values{};
 
-  std::size_t at(int x, int y, int z) const {
-    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(size.y) + static_cast<std::size_t>(y)) *
-               static_cast<std::size_t>(size.x) +
-           static_cast<std::size_t>(x);
-  }
+  std::ptrdiff_t at(int x, int y, int z) const { return (std::ptrdiff_t{z} * size.y + y) * size.x + x; }
 
   /// One axis twice as fine.
   Plain finer(int axis) const {
     const int n[3] = {size.x, size.y, size.z};
     Plain out{size, {}};
     (axis == 0 ? out.size.x : axis == 1 ? out.size.y : out.size.z) = 2 * n[axis] - 1;
-    out.values.resize(static_cast<std::size_t>(out.size.x) * static_cast<std::size_t>(out.size.y) *
-                      static_cast<std::size_t>(out.size.z));
-    const std::ptrdiff_t step = axis == 0   ? 1
-                                : axis == 1 ? size.x
-                                            : static_cast<std::ptrdiff_t>(size.x) * size.y;
+    out.values.resize(static_cast<std::size_t>(out.size.x) * out.size.y * out.size.z);
+    const std::ptrdiff_t step = axis == 0 ? 1 : axis == 1 ? size.x : std::ptrdiff_t{size.x} * size.y;
     std::size_t o = 0;
     for (int z = 0; z < out.size.z; ++z)
       for (int y = 0; y < out.size.y; ++y)
@@ -130,8 +111,7 @@ Plain plain_fractal(const FractalSettings& s) {
   Plain p{{s.cells.x + 1, s.cells.y + 1, s.cells.z + 1}, s.coarse};
   for (int level = 0; level < s.levels; ++level) {
     p = p.finer(2).finer(1).finer(0);
-    p.add_noise(hash_combine(s.seed, static_cast<std::uint64_t>(level)),
-                static_cast<float>(s.noise[static_cast<std::size_t>(level)]));
+    p.add_noise(hash_combine(s.seed, level), static_cast<float>(s.noise[level]));
   }
   return p;
 }
@@ -151,7 +131,7 @@ void terrain(int runs) {
       for (int y = 0; y < ny; y += 5)
         for (int x = 0; x < nx; x += 7) {
           const float v = grid->at({x, y, z});
-          worst = std::max(worst, static_cast<double>(std::abs(v - p.values[p.at(x, y, z)])));
+          worst = std::max<double>(worst, std::abs(v - p.values[p.at(x, y, z)]));
           hash = hash_combine(hash, std::bit_cast<std::uint32_t>(v));
         }
   }
@@ -192,7 +172,7 @@ void tunnel(int runs) {
         for (int x = 0; x < frame.size.x; ++x) {
           const float v = grid.at({x, y, z});
           samples += v < 1;
-          if (z % planes == 0) worst = std::max(worst, static_cast<double>(std::abs(v - slow.at({x, y, z}))));
+          if (z % planes == 0) worst = std::max<double>(worst, std::abs(v - slow.at({x, y, z})));
         }
   }
   ours.print("tunnel", "tafoni", thread_count(), samples);

@@ -62,8 +62,8 @@ void rock(benchmark::State& state, const char* kind) {
   auto points = random_points(n, {{0, 0, 0}, {100, 100, 100}});
   if (state.range(0) == 0)
     for (std::int64_t i = 0; i < n; ++i)
-      points[static_cast<std::size_t>(i)] = {static_cast<double>(i % 64), static_cast<double>(i / 64 % 64),
-                                             static_cast<double>(i / 4096)};
+      points[i] = {static_cast<double>(i % 64), static_cast<double>(i / 64 % 64),
+                   static_cast<double>(i / 4096)};
   const Vec3d origin{500000, 4000000, 0};
   const auto& type = geology::find_geology(kind);
   const std::vector<geology::GeologyPtr> children(type.min_children,
@@ -102,17 +102,17 @@ void chunk(benchmark::State& state, bool bicubic) {
   heights->values = raster::Grid<float>(64, 64, 32.3f);
   heights->placement = {.west = -32, .north = 96, .dx = 2, .dy = 2};
   field::CloudBuilder cloud(field::CloudSettings{});
-  for (Vec3d p : random_points(static_cast<std::size_t>(state.range(0)), {{0, 0, 28}, {64, 64, 36}}))
-    field::add_point(cloud, p, 5, -1);
-  const field::HeightfieldSettings settings{.bicubic = bicubic, .first_order = bicubic};
-  const auto field = field::compile(field::blend({field::heightfield(heights, settings), cloud.finish()}));
+  for (Vec3d p : random_points(state.range(0), {{0, 0, 28}, {64, 64, 36}})) field::add_point(cloud, p, 5, -1);
+  const field::TerrainSettings settings{.bicubic = bicubic, .first_order = bicubic};
+  const auto field =
+      field::compile(field::combine("blend", {field::heightfield(heights, settings), cloud.finish()}));
   field::ChunkEvaluator evaluator(field, 1.0);
   field::ChunkSamples samples;
   std::int64_t evaluated = 0;
   for (auto _ : state) {
     evaluator.column(0, 0);
     evaluator.evaluate(0, samples);
-    evaluated += static_cast<std::int64_t>(samples.evaluated);
+    evaluated += samples.evaluated;
     benchmark::DoNotOptimize(samples.f.data());
   }
   state.SetItemsProcessed(evaluated);
@@ -197,7 +197,7 @@ void nested(benchmark::State& state) {
   for (auto _ : state) {
     evaluator.column(0, 0);
     evaluator.evaluate(0, samples);
-    evaluated += static_cast<std::int64_t>(samples.evaluated);
+    evaluated += samples.evaluated;
     benchmark::DoNotOptimize(samples.f.data());
   }
   state.SetItemsProcessed(evaluated);
@@ -209,7 +209,7 @@ BENCHMARK(nested<hills_beside_a_warp>)->Name("chunk samples, beside a warp");
 BENCHMARK(nested<pillared_hills>)->Name("chunk samples, 40 instances of 30 spheres");
 
 void compile_cloud(benchmark::State& state) {
-  const auto points = random_points(static_cast<std::size_t>(state.range(0)), {{0, 0, 0}, {5000, 5000, 100}});
+  const auto points = random_points(state.range(0), {{0, 0, 0}, {5000, 5000, 100}});
   for (auto _ : state) {
     field::CloudBuilder cloud(field::CloudSettings{});
     for (Vec3d p : points) field::add_point(cloud, p, 5, -7);

@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "measure.h"
 #include <time.h>
 
 #include "tafoni/core/parallel.h"
@@ -33,9 +34,7 @@ using namespace tafoni;
 /// Of the calling thread, which a busy machine distorts less; of the wall where there are several threads.
 bool by_wall = false;
 double seconds() {
-  timespec now{};
-  clock_gettime(by_wall ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+  return bench::clock_seconds(by_wall ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID);
 }
 
 struct Vertex {
@@ -71,8 +70,7 @@ class Sink {
 class Heightfield {
  public:
   explicit Heightfield(int n)
-      : n_(n),
-        heights_(static_cast<std::size_t>(n) * static_cast<std::size_t>(n), 0.6f * static_cast<float>(n)) {}
+      : n_(n), heights_(static_cast<std::size_t>(n) * n, 0.6f * static_cast<float>(n)) {}
 
   void update(Vec3d c, double r, Sink& sink) {
     const int i0 = std::max(0, static_cast<int>(c.x - r)),
@@ -98,18 +96,14 @@ class Heightfield {
   }
 
  private:
-  float& at(int i, int j) {
-    return heights_[static_cast<std::size_t>(j) * static_cast<std::size_t>(n_) + static_cast<std::size_t>(i)];
-  }
+  float& at(int i, int j) { return heights_[static_cast<std::size_t>(j) * n_ + i]; }
   int n_;
   std::vector<float> heights_;
 };
 
 class Voxels {
  public:
-  explicit Voxels(int n)
-      : n_(n),
-        solid_(static_cast<std::size_t>(n) * static_cast<std::size_t>(n) * static_cast<std::size_t>(n), 0) {
+  explicit Voxels(int n) : n_(n), solid_(static_cast<std::size_t>(n) * n * n, 0) {
     for (int k = 0; k < n * 6 / 10; ++k)
       for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) at(i, j, k) = 1;
@@ -131,9 +125,8 @@ class Voxels {
 
  private:
   std::uint8_t& at(int i, int j, int k) {
-    const std::size_t n = static_cast<std::size_t>(n_);
-    return solid_[(static_cast<std::size_t>(k) * n + static_cast<std::size_t>(j)) * n +
-                  static_cast<std::size_t>(i)];
+    const std::size_t n = n_;
+    return solid_[(static_cast<std::size_t>(k) * n + j) * n + static_cast<std::size_t>(i)];
   }
   static void cube(float x, float y, float z, Sink& s) {
     const float X = x + 1, Y = y + 1, Z = z + 1;
@@ -206,7 +199,7 @@ void row(int n) {
   const int turns = n <= 50 ? 100 : n <= 200 ? 12 : 5;
   for (int turn = 0; turn < turns; ++turn)
     for (std::size_t m = 0; m < models.size(); ++m) {
-      Random random(7, static_cast<std::uint64_t>(turn));
+      Random random(7, turn);
       const double from = seconds();
       for (int k = 0; k < models[m].batch; ++k) {
         const double x = random.uniform(0, n - 1), y = random.uniform(0, n - 1);

@@ -18,10 +18,10 @@
 #include <string>
 #include <vector>
 
+#include "measure.h"
 #include "scene_s.h"
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
-#include <time.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
@@ -37,12 +37,6 @@ using namespace tafoni::bench;
 
 constexpr double half_region = 250;  ///< metres about the middle of the scene, which is meshed for the peers
 constexpr double radius = 0.4, height = 1.0, stride = 1.0, ray_length = 50, reach = 5;
-
-double thread_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 struct Place {
   Vec3d at, direction;
@@ -144,7 +138,7 @@ class Rays {
     ray.ray = {at.x, at.y, at.z, 0, d.x, d.y, d.z, 0, static_cast<float>(ray_length), 0xffffffffu, 0, 0};
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(scene_, &context, &ray);
-    return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? -1.0 : static_cast<double>(ray.ray.tfar);
+    return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? -1.0 : ray.ray.tfar;
   }
 
  private:
@@ -158,9 +152,9 @@ struct Timed {
 
   void run(const std::vector<Place>& places, const std::function<double(const Place&)>& ask) {
     answers.resize(places.size());
-    const double begin = thread_seconds();
+    const double begin = bench::thread_seconds();
     for (std::size_t i = 0; i < places.size(); ++i) answers[i] = ask(places[i]);
-    seconds = std::min(seconds, thread_seconds() - begin);
+    seconds = std::min(seconds, bench::thread_seconds() - begin);
   }
   double rate() const { return static_cast<double>(answers.size()) / seconds; }
 };
@@ -194,7 +188,7 @@ void run(int count, int cells, int queries) {
       mesh_time.run(places, with(peer));
       if (row.name == "ray") embree_time.run(places, [&](const Place& p) { return embree.cast(p); });
       const query::FieldCollider fresh(field, collider_settings);
-      cold.run({places.begin(), places.begin() + static_cast<std::ptrdiff_t>(few)}, with(fresh));
+      cold.run({places.begin(), places.begin() + few}, with(fresh));
     }
     // Beyond the meshed region, and behind its border, the peer knows nothing.
     std::size_t differ = 0;

@@ -7,38 +7,30 @@
 // the others dig or heap a sphere of such a size. They stay.
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <vector>
 
+#include "measure.h"
 #include <fmt/core.h>
-#include <time.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/runtime/destructible_terrain.h"
+#include "tafoni/scene/build/build.h"
 
 namespace {
 
 using namespace tafoni;
 
 double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
+  return 1e3 * bench::wall_seconds();
 }
 
 /// CPU time of all threads: what a click costs whatever else the machine does.
 double cpu_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
-}
-
-double at_rank(std::vector<double> values, double rank) {
-  std::sort(values.begin(), values.end());
-  return values.empty() ? 0 : values[static_cast<std::size_t>(rank * static_cast<double>(values.size() - 1))];
+  return 1e3 * bench::cpu_seconds();
 }
 
 std::uint64_t click(runtime::DestructibleTerrain& ground, Vec3d at, int i, Random& random) {
@@ -90,12 +82,12 @@ void run(const scene::BuiltScene& scene, double voxel, int clicks) {
   const double mean = sum / static_cast<double>(seen.size());
   fmt::print("{},{}x{}x{},{:.2f},{:.0f},{},{},{:.2f},{:.2f},{:.2f},{:.2f},", voxel, frame.size.x,
              frame.size.y, frame.size.z, open_s, static_cast<double>(first->grid().bytes()) * 1e-6,
-             thread_count(), seen.size(), at_rank(seen, 0.5), at_rank(seen, 0.95), at_rank(seen, 1),
-             at_rank(cpu, 0.5));
-  fmt::print("{:.2f},{:.2f},{:.2f},{:.0f},{:.1f},{:.0f},{:.0f},{},{:016x}\n", at_rank(cpu, 0.95),
-             at_rank(queries, 0.5), at_rank(queries, 0.95), 1000 / mean,
+             thread_count(), seen.size(), bench::at_rank(seen, 0.5), bench::at_rank(seen, 0.95),
+             bench::at_rank(seen, 1), bench::at_rank(cpu, 0.5));
+  fmt::print("{:.2f},{:.2f},{:.2f},{:.0f},{:.1f},{:.0f},{:.0f},{},{:016x}\n", bench::at_rank(cpu, 0.95),
+             bench::at_rank(queries, 0.5), bench::at_rank(queries, 0.95), 1000 / mean,
              static_cast<double>(chunks) / static_cast<double>(seen.size()), anew_ms,
-             anew_ms / at_rank(seen, 0.5), triangles, ground.state().hash);
+             anew_ms / bench::at_rank(seen, 0.5), triangles, ground.state().hash);
 }
 
 }  // namespace

@@ -13,9 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "measure.h"
 #include <fmt/core.h>
-#include <sys/resource.h>
-#include <time.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
@@ -36,13 +35,6 @@ struct Timed {
   std::uint64_t hash;
 };
 
-/// CPU time of this thread.
-double thread_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 /// On one thread.
 Timed query(const field::CompiledField& field, const std::vector<Vec3d>& points, bool gradients) {
   std::vector<float> values(points.size());
@@ -51,12 +43,12 @@ Timed query(const field::CompiledField& field, const std::vector<Vec3d>& points,
   const int threads = thread_count();
   set_thread_count(1);
   for (int run = 0; run < 3; ++run) {
-    const double t0 = thread_seconds();
+    const double t0 = bench::thread_seconds();
     if (gradients)
       field.gradients(points, values, slopes);
     else
       field.values(points, values);
-    best = std::min(best, thread_seconds() - t0);
+    best = std::min(best, bench::thread_seconds() - t0);
   }
   set_thread_count(threads);
   std::uint64_t h = hash(values.data(), values.size() * sizeof(float));
@@ -103,12 +95,6 @@ field::NodePtr terrain_node(const Ground& ground, const Options& o) {
   return field::intersect({node, field::domain(domain, {.influence = influence, .amplitude = amplitude})});
 }
 
-/// CPU time of all threads, which other work on the machine disturbs less than the wall clock.
-double cpu_seconds(const rusage& u) {
-  return static_cast<double>(u.ru_utime.tv_sec + u.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
-}
-
 void run_queries(const field::CompiledField& field, const Ground& ground, const std::vector<Sphere>& spheres,
                  const Options& o, Row& row) {
   std::vector<Vec3d> uniform, surface, near;
@@ -129,14 +115,14 @@ void run_queries(const field::CompiledField& field, const Ground& ground, const 
     row.query_hash = row.query_hash * 31 + t.hash;
 
   // Few points are enough: the scan takes the same time at each.
-  near.resize(static_cast<std::size_t>(std::max(20, 20'000'000 / o.count)));
+  near.resize(std::max(20, 20'000'000 / o.count));
   std::vector<double> truth;
-  const double begin = thread_seconds();
+  const double begin = bench::thread_seconds();
   for (Vec3d p : near) truth.push_back(brute_force(*ground.heights, spheres, p));
-  row.brute_rate = static_cast<double>(near.size()) / (thread_seconds() - begin);
+  row.brute_rate = static_cast<double>(near.size()) / (bench::thread_seconds() - begin);
   if (!o.paper || o.solid) return;
   for (std::size_t i = 0; i < near.size(); ++i)
-    row.worst = std::max(row.worst, std::abs(truth[i] - static_cast<double>(field.value(near[i]))));
+    row.worst = std::max(row.worst, std::abs(truth[i] - field.value(near[i])));
   if (row.worst > 1e-4 * amplitude)
     fail(ErrorKind::internal, "the field differs from the formula by {} m", row.worst);
 }
@@ -146,8 +132,7 @@ Row run(const Options& o) {
   const std::vector<Sphere> spheres = tunnels(o.count);
   Row row{};
 
-  rusage before{}, usage{};
-  getrusage(RUSAGE_SELF, &before);
+  const double cpu = bench::cpu_seconds();
   const double t0 = seconds();
   const field::NodePtr points = cloud_of(spheres);
   const field::NodePtr tree = field::blend({terrain_node(ground, o), points});
@@ -162,12 +147,11 @@ Row run(const Options& o) {
   const mesh::Mesh mesh = surface::polygonize(field, settings, silent(), &row.stats);
   const double t3 = seconds();
 
-  getrusage(RUSAGE_SELF, &usage);
-  row.cpu_s = cpu_seconds(usage) - cpu_seconds(before);
+  row.cpu_s = bench::cpu_seconds() - cpu;
   row.tree_s = t1 - t0;
   row.compile_s = t2 - t1;
   row.mesh_s = t3 - t2;
-  row.peak_mb = static_cast<double>(usage.ru_maxrss) / 1024;
+  row.peak_mb = bench::peak_megabytes();
   row.bytes_a_primitive = static_cast<double>(field::stats(points).bytes) / o.count;
   row.mesh_hash = hash_of(mesh);
   run_queries(field, ground, spheres, o, row);

@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
+#include "measure.h"
 #include "scene_s.h"
 #include <fmt/core.h>
-#include <time.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
@@ -41,18 +41,6 @@ struct Row {
   std::uint64_t samples = 0, vertices = 0, chunks = 0, triangles = 0, mesh_hash = 0;
 };
 
-/// CPU time of all threads.
-double process_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-double at_rank(std::vector<double> values, double rank) {
-  std::sort(values.begin(), values.end());
-  return values.empty() ? 0 : values[static_cast<std::size_t>(rank * static_cast<double>(values.size() - 1))];
-}
-
 void strokes_at(Vec2d place, int strokes, const Brush& brush_kind, const field::NodePtr& scene,
                 Random& random, Row& row) {
   surface::PolygonizeSettings settings;
@@ -69,7 +57,7 @@ void strokes_at(Vec2d place, int strokes, const Brush& brush_kind, const field::
                  y = place.y + random.uniform(-half_strokes, half_strokes);
     const Vec3d at{x, y, elevation(x, y)};
 
-    const double c0 = process_seconds(), t0 = seconds();
+    const double c0 = bench::cpu_seconds(), t0 = seconds();
     field::CloudBuilder cloud({brush_kind.kind, brush_kind.falloff > 0 ? brush_kind.falloff : 1.0, {}});
     field::add_point(cloud, at, brush, random.uniform(-8, -7));
     const field::NodePtr stroke = cloud.finish();
@@ -79,7 +67,7 @@ void strokes_at(Vec2d place, int strokes, const Brush& brush_kind, const field::
     const double t1 = seconds();
     mesher.update(field, {&changed, 1});
     const double t2 = seconds();
-    row.cpu_ms.push_back((process_seconds() - c0) * 1e3);
+    row.cpu_ms.push_back((bench::cpu_seconds() - c0) * 1e3);
     row.compile_ms.push_back((t1 - t0) * 1e3);
     row.update_ms.push_back((t2 - t0) * 1e3);
     row.samples += mesher.stats().evaluated;
@@ -87,10 +75,10 @@ void strokes_at(Vec2d place, int strokes, const Brush& brush_kind, const field::
     row.chunks += mesher.stats().chunks;
     if (i % peer_every != 0) continue;
 
-    const double c3 = process_seconds(), t3 = seconds();
+    const double c3 = bench::cpu_seconds(), t3 = seconds();
     const mesh::Mesh anew = surface::polygonize(field, settings);
     row.anew_ms.push_back((seconds() - t3) * 1e3);
-    row.anew_cpu_ms.push_back((process_seconds() - c3) * 1e3);
+    row.anew_cpu_ms.push_back((bench::cpu_seconds() - c3) * 1e3);
     const std::uint64_t own = hash_of(mesher.assemble());
     if (own != hash_of(anew)) fail(ErrorKind::internal, "the updated mesh differs from one made anew");
     row.mesh_hash = row.mesh_hash * 31 + own;
@@ -106,13 +94,14 @@ void run(int strokes, const Brush& brush_kind) {
   for (int p = 0; p < places; ++p)
     strokes_at({random.uniform(100, extent - 100), random.uniform(100, extent - 100)}, strokes / places,
                brush_kind, scene, random, row);
-  const double cpu = at_rank(row.cpu_ms, 0.5), anew_cpu = at_rank(row.anew_cpu_ms, 0.5);
+  const double cpu = bench::at_rank(row.cpu_ms, 0.5), anew_cpu = bench::at_rank(row.anew_cpu_ms, 0.5);
   const auto count = static_cast<double>(row.update_ms.size());
   fmt::print("{},{},{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.3f},", brush_kind.kind, row.update_ms.size(),
-             thread_count(), at_rank(row.update_ms, 0.5), at_rank(row.update_ms, 0.95),
-             at_rank(row.update_ms, 1), cpu, at_rank(row.cpu_ms, 0.95), at_rank(row.compile_ms, 0.5));
-  fmt::print("{:.1f},{:.1f},{:.1f},{:.0f},{:.0f},{:.1f},{},{:016x}\n", at_rank(row.anew_ms, 0.5), anew_cpu,
-             anew_cpu / cpu, static_cast<double>(row.samples) / count,
+             thread_count(), bench::at_rank(row.update_ms, 0.5), bench::at_rank(row.update_ms, 0.95),
+             bench::at_rank(row.update_ms, 1), cpu, bench::at_rank(row.cpu_ms, 0.95),
+             bench::at_rank(row.compile_ms, 0.5));
+  fmt::print("{:.1f},{:.1f},{:.1f},{:.0f},{:.0f},{:.1f},{},{:016x}\n", bench::at_rank(row.anew_ms, 0.5),
+             anew_cpu, anew_cpu / cpu, static_cast<double>(row.samples) / count,
              static_cast<double>(row.vertices) / count, static_cast<double>(row.chunks) / count,
              row.triangles, row.mesh_hash);
 }

@@ -8,7 +8,6 @@
 // lattice, one chunk after another, and polygonizes all of them: both meshes must be the same bytes.
 
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -16,8 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "measure.h"
 #include <fmt/core.h>
-#include <sys/resource.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
@@ -50,17 +49,6 @@ constexpr std::array paper_rows{
     PaperRow{"benagil", "0.4 x 0.4", 0.35, 13'264, -1, 551, 1.3, 2.1, "550^2 x 87", 2.7, 3.9, 8, 20},
 };
 
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-double cpu() {
-  rusage u{};
-  getrusage(RUSAGE_SELF, &u);
-  return static_cast<double>(u.ru_utime.tv_sec + u.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
-}
-
 std::uint64_t hash(const void* data, std::size_t bytes, std::uint64_t h) {
   const auto* p = static_cast<const unsigned char*>(data);
   for (std::size_t i = 0; i < bytes; ++i) h = (h ^ p[i]) * 0x100000001b3u;
@@ -87,7 +75,7 @@ class PlainSource final : public surface::SampleSource {
     using S = field::ChunkSamples;
     constexpr int n = field::chunk_cells + 1;
     out.chunk = {a_, b_, c};
-    out.f.resize(static_cast<std::size_t>(S::nx * S::ny * S::nz));
+    out.f.resize(S::nx * S::ny * S::nz);
     std::fill(std::begin(out.active), std::end(out.active), ~std::uint64_t{0});
     points_.clear();
     for (int k = 0; k < n; ++k)
@@ -102,8 +90,7 @@ class PlainSource final : public surface::SampleSource {
     std::size_t at = 0;
     for (int k = 0; k < n; ++k)
       for (int j = 0; j < n; ++j)
-        for (int i = 0; i < n; ++i)
-          out.f[static_cast<std::size_t>((k * S::ny + j) * S::nx + i)] = values_[at++];
+        for (int i = 0; i < n; ++i) out.f[(k * S::ny + j) * S::nx + i] = values_[at++];
     out.evaluated = points_.size();
     return true;
   }
@@ -129,23 +116,23 @@ struct Meshed {
 
 Meshed optimized(const scene::BuiltScene& scene) {
   Meshed out;
-  const double start = now(), start_cpu = cpu();
+  const double start = bench::wall_seconds(), start_cpu = bench::cpu_seconds();
   const field::CompiledField field = scene.field_for(scene.boundary());
   const mesh::Mesh mesh =
       surface::polygonize(field, scene::polygonize_settings(scene, field, scene.voxel), silent(), &out.stats);
-  out.seconds = now() - start;
-  out.cpu = cpu() - start_cpu;
+  out.seconds = bench::wall_seconds() - start;
+  out.cpu = bench::cpu_seconds() - start_cpu;
   out.hash = hash_of(mesh);
   for (const Vec3f& p : mesh.positions) {
-    out.bottom = std::min(out.bottom, static_cast<double>(p.z));
-    out.top = std::max(out.top, static_cast<double>(p.z));
+    out.bottom = std::min<double>(out.bottom, p.z);
+    out.top = std::max<double>(out.top, p.z);
   }
   return out;
 }
 
 Meshed plain(const scene::BuiltScene& scene) {
   Meshed out;
-  const double start = now(), start_cpu = cpu();
+  const double start = bench::wall_seconds(), start_cpu = bench::cpu_seconds();
   const field::CompiledField field = scene.field_for(scene.boundary());
   const auto settings = scene::polygonize_settings(scene, field, scene.voxel);
   const double side = scene.voxel * field::chunk_cells;
@@ -154,8 +141,8 @@ Meshed plain(const scene::BuiltScene& scene) {
                                        static_cast<int>(std::floor(box.hi.z / side)) + 1};
   const surface::SourceFactory factory = [&] { return std::make_unique<PlainSource>(field, scene.voxel, z); };
   const mesh::Mesh mesh = surface::polygonize(factory, box, settings, silent(), &out.stats);
-  out.seconds = now() - start;
-  out.cpu = cpu() - start_cpu;
+  out.seconds = bench::wall_seconds() - start;
+  out.cpu = bench::cpu_seconds() - start_cpu;
   out.hash = hash_of(mesh);
   return out;
 }
@@ -185,12 +172,12 @@ void run(const PaperRow& row, const std::string& file, bool with_plain) {
   const scene::Document document = scene::load_scene(file);
   scene::Document bare = document;
   bare.layers.clear();
-  double before = cpu();
+  double before = bench::cpu_seconds();
   scene::build(bare);
-  const double bare_cpu = cpu() - before;
-  before = cpu();
+  const double bare_cpu = bench::cpu_seconds() - before;
+  before = bench::cpu_seconds();
   const scene::BuiltScene scene = scene::build(document);
-  const double generation_cpu = cpu() - before - bare_cpu;
+  const double generation_cpu = bench::cpu_seconds() - before - bare_cpu;
   double generation = 0;
   for (const auto& layer : scene.layers) generation += layer.seconds;
   const field::TreeStats tree = field::stats(scene.open);

@@ -56,8 +56,7 @@ void sampling() {
     std::vector<Vec3d> points(row.size());
     for (int z = 0; z < frame.size.z; ++z) {
       for (int y = 0; y < 512; ++y)
-        for (int x = 0; x < 512; ++x)
-          points[static_cast<std::size_t>(y * 512 + x)] = frame.position({x, y, z});
+        for (int x = 0; x < 512; ++x) points[y * 512 + x] = frame.position({x, y, z});
       field.values(points, row);
     }
   });
@@ -84,7 +83,7 @@ std::pair<double, double> strays(const mesh::Mesh& mesh, const field::CompiledFi
   truth.gradients(points, f, g);
   double sum = 0, worst = 0;
   for (std::size_t i = 0; i < f.size(); ++i) {
-    const double d = std::abs(static_cast<double>(f[i])) / std::max(0.2, length(to_double(g[i])));
+    const double d = std::abs(f[i]) / std::max(0.2, length(to_double(g[i])));
     sum += d, worst = std::max(worst, d);
   }
   return {sum / static_cast<double>(points.size()), worst};

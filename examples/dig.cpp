@@ -7,6 +7,7 @@
 #include "tafoni/io/mesh_file.h"
 #include "tafoni/query/walker.h"
 #include "tafoni/runtime/destructible_terrain.h"
+#include "tafoni/scene/build/build.h"
 
 using namespace tafoni;
 using volume::Edit;

@@ -1,3 +1,6 @@
+// Counts the cubes of a lattice that lie inside: of a field by its values, whole blocks at once where its
+// interval allows, of a mesh by sorting where lines along z cross it.
+
 #include "tafoni/mesh/cubes.h"
 
 #include <algorithm>
@@ -10,6 +13,11 @@
 namespace tafoni::mesh {
 namespace {
 
+Vec3d to_vec(std::int64_t i, std::int64_t j, std::int64_t k) {
+  return {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+}
+
+/// Samples along an axis are counted by 31 bits, as the header promises.
 constexpr double greatest_index = 2147483647.0;
 
 /// Lattice indices of the samples in a range.
@@ -25,7 +33,8 @@ struct Span {
   std::int64_t cubes() const { return last - first; }
 };
 
-constexpr std::int64_t block = 8;  // cubes a side that are judged at once
+/// Cubes a side that are judged at once by the interval of the field over them.
+constexpr std::int64_t block = 8;
 
 /// Cubes of one block all of whose corners are positive.
 std::uint64_t count_block(const field::CompiledField& field, const Vec3d& low, const std::int64_t (&n)[3],
@@ -33,13 +42,11 @@ std::uint64_t count_block(const field::CompiledField& field, const Vec3d& low, c
   points.clear();
   for (std::int64_t k = 0; k <= n[2]; ++k)
     for (std::int64_t j = 0; j <= n[1]; ++j)
-      for (std::int64_t i = 0; i <= n[0]; ++i)
-        points.push_back(low + Vec3d{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)} *
-                                   edge);
+      for (std::int64_t i = 0; i <= n[0]; ++i) points.push_back(low + to_vec(i, j, k) * edge);
   values.resize(points.size());
   field.values(points, values);
   const auto inside = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-    return values[static_cast<std::size_t>((k * (n[1] + 1) + j) * (n[0] + 1) + i)] > 0;
+    return values[(k * (n[1] + 1) + j) * (n[0] + 1) + i] > 0;
   };
   std::uint64_t count = 0;
   for (std::int64_t k = 0; k < n[2]; ++k)
@@ -57,11 +64,13 @@ struct Columns {
   Span x, y;
   std::vector<std::vector<float>> crossings;
   std::vector<float>& at(std::int64_t i, std::int64_t j) {
-    return crossings[static_cast<std::size_t>((j - y.first) * (x.last - x.first + 1) + i - x.first)];
+    return crossings[(j - y.first) * (x.last - x.first + 1) + i - x.first];
   }
 };
 
-constexpr Vec3d off{0.3819660113, 0.4142135624, 0.2360679775};  // of the lattice, in cubes
+/// Where the lattice stands, in cubes: 2 - golden ratio, sqrt(2) - 1, sqrt(5) - 2, which no mesh on a lattice
+/// meets.
+constexpr Vec3d off{0.3819660113, 0.4142135624, 0.2360679775};
 
 void cross_triangle(const Vec3d (&p)[3], Columns& columns, const Progress& progress) {
   const double lo_x = std::min({p[0].x, p[1].x, p[2].x}), hi_x = std::max({p[0].x, p[1].x, p[2].x});
@@ -96,8 +105,8 @@ Cubes inside_cubes(const field::CompiledField& field, const Box3d& box, double e
   const Span x(box.lo.x, box.hi.x, edge), y(box.lo.y, box.hi.y, edge), z(box.lo.z, box.hi.z, edge);
   const auto blocks = [](const Span& s) { return (s.cubes() + block - 1) / block; };
   const std::int64_t rows = blocks(y) * blocks(z);
-  std::vector<std::uint64_t> counts(static_cast<std::size_t>(rows), 0);
-  progress.begin("counting cubes", static_cast<std::uint64_t>(rows), "rows");
+  std::vector<std::uint64_t> counts(rows, 0);
+  progress.begin("counting cubes", rows, "rows");
   parallel_for(
       rows,
       [&](std::int64_t row) {
@@ -107,13 +116,10 @@ Cubes inside_cubes(const field::CompiledField& field, const Box3d& box, double e
         for (std::int64_t i = x.first; i < x.last; i += block) {
           const std::int64_t n[3] = {std::min(block, x.last - i), std::min(block, y.last - j),
                                      std::min(block, z.last - k)};
-          const Vec3d low =
-              Vec3d{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)} * edge;
-          const Vec3d high =
-              low +
-              Vec3d{static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2])} * edge;
+          const Vec3d low = to_vec(i, j, k) * edge;
+          const Vec3d high = low + to_vec(n[0], n[1], n[2]) * edge;
           const Interval range = field.interval({low, high});
-          auto& count = counts[static_cast<std::size_t>(row)];
+          auto& count = counts[row];
           if (range.hi <= 0) continue;
           count += range.lo > 0 ? static_cast<std::uint64_t>(n[0] * n[1] * n[2])
                                 : count_block(field, low, n, edge, points, values);
@@ -138,7 +144,7 @@ Cubes inside_cubes(const Mesh& mesh, double edge, Progress& progress) {
   constexpr std::int64_t most_columns = 1 << 24, most_in_row = 1 << 29, most_cubes = 1ll << 36;
   if (width > most_columns / height || width > most_in_row / layers || width * height > most_cubes / layers)
     fail(ErrorKind::usage, "cubes of {} m are too small for the mesh; count larger ones", edge);
-  columns.crossings.resize(static_cast<std::size_t>(width * height));
+  columns.crossings.resize(width * height);
   progress.begin("crossing triangles", mesh.triangles.size(), "triangles");
   for (const auto& t : mesh.triangles) {
     progress.advance();
@@ -153,17 +159,17 @@ Cubes inside_cubes(const Mesh& mesh, double edge, Progress& progress) {
   // Two rows of columns at a time, inside or not at each layer.
   std::vector<std::uint8_t> before, here;
   const auto fill = [&](std::int64_t j, std::vector<std::uint8_t>& row) {
-    row.assign(static_cast<std::size_t>(width * layers), 0);
+    row.assign(width * layers, 0);
     for (std::int64_t i = 0; i < width; ++i) {
       const auto& list = columns.at(columns.x.first + i, columns.y.first + j);
       std::size_t next = 0;
       for (std::int64_t k = 0; k < layers; ++k) {
         while (next < list.size() && list[next] < static_cast<float>(z.first + k)) ++next;
-        row[static_cast<std::size_t>(i * layers + k)] = next % 2;
+        row[i * layers + k] = next % 2;
       }
     }
   };
-  progress.begin("counting cubes", static_cast<std::uint64_t>(height), "rows");
+  progress.begin("counting cubes", height, "rows");
   fill(0, here);
   for (std::int64_t j = 1; j < height; ++j) {
     progress.check();
@@ -171,7 +177,7 @@ Cubes inside_cubes(const Mesh& mesh, double edge, Progress& progress) {
     fill(j, here);
     for (std::int64_t i = 0; i + 1 < width; ++i)
       for (std::int64_t k = 0; k + 1 < layers; ++k) {
-        const auto a = static_cast<std::size_t>(i * layers + k), b = a + static_cast<std::size_t>(layers);
+        const std::int64_t a = i * layers + k, b = a + layers;
         out.count += (before[a] & before[a + 1] & before[b] & before[b + 1] & here[a] & here[a + 1] &
                       here[b] & here[b + 1]);
       }

@@ -1,3 +1,6 @@
+// Measures a mesh in two passes: over the triangles for area, volume and what hangs together, and over the
+// edges, each found once by its lower vertex, for lengths and for the loops that edges of one triangle form.
+
 #include "tafoni/mesh/metrics.h"
 
 #include <algorithm>
@@ -68,8 +71,8 @@ MeshMetrics metrics(const Mesh& mesh) {
     out.components += used[v] && sets.root(v) == v;
   }
   measure_edges(mesh, triangles, out);
-  out.euler = static_cast<std::int64_t>(out.vertices) - static_cast<std::int64_t>(out.edges) +
-              static_cast<std::int64_t>(out.triangles);
+  const std::int64_t v = out.vertices, e = out.edges, f = out.triangles;
+  out.euler = v - e + f;
   out.genus = (2.0 * static_cast<double>(out.components) - static_cast<double>(out.boundary_loops) -
                static_cast<double>(out.euler)) /
               2;

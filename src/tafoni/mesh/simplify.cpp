@@ -1,3 +1,7 @@
+// Simplifies in rounds of patches whose grid is shifted, so that the seams of one round lie inside the
+// patches of the next. A patch that breaks the surface is done again in smaller parts, then with less error,
+// and at last left as it was.
+
 #include "tafoni/mesh/simplify.h"
 
 #include <cmath>
@@ -12,10 +16,14 @@ namespace {
 using impl::Patch;
 using inner::Triangle;
 
-constexpr std::size_t patch_triangles = 20000, least_patch = 1000;
+/// A patch is large against its border, which stays as it is, and small enough that threads share the work.
+constexpr std::size_t patch_triangles = 20000;
+/// A patch below this that breaks the surface is not cut any further, or borders would be most of it.
+constexpr std::size_t least_patch = 1000;
+/// A sixteenth of the error leaves little to gain: the patch stays as it was.
 constexpr int most_halvings = 4;
 
-std::vector<Triangle> joined(const std::vector<Patch>& patches) {
+std::vector<Triangle> join_results(const std::vector<Patch>& patches) {
   std::size_t total = 0;
   for (const Patch& p : patches) total += p.result.size();
   std::vector<Triangle> out;
@@ -30,9 +38,9 @@ void collapse_all(std::span<const Vec3f> positions, const impl::Ownership& owner
   for (std::size_t p = 0; p < patches.size(); ++p)
     if (!patches[p].done) unfinished.push_back(p);
   parallel_for(
-      static_cast<std::int64_t>(unfinished.size()),
+      std::ssize(unfinished),
       [&](std::int64_t at) {
-        Patch& patch = patches[unfinished[static_cast<std::size_t>(at)]];
+        Patch& patch = patches[unfinished[at]];
         impl::collapse(positions, ownership, patch, std::ldexp(error, -patch.halvings));
       },
       progress);
@@ -92,11 +100,11 @@ std::vector<Triangle> simplify_round(std::span<const Vec3f> positions, std::span
   progress.end();
   stats.patches += patches.size();
   for (const Patch& patch : patches) stats.patches_rejected += patch.rejected;
-  return joined(patches);
+  return join_results(patches);
 }
 
 /// Keeps the vertices in use, in order.
-Mesh compacted(const Mesh& mesh, std::vector<Triangle> triangles) {
+Mesh drop_unused_vertices(const Mesh& mesh, std::vector<Triangle> triangles) {
   std::vector<std::uint32_t> index(mesh.positions.size(), 0);
   for (const Triangle& t : triangles)
     for (auto v : t) index[v] = 1;
@@ -128,7 +136,7 @@ Mesh simplify(const Mesh& mesh, const SimplifySettings& settings, Progress& prog
   if (settings.error > 0)
     for (double shift : {0.0, 0.5})
       triangles = simplify_round(mesh.positions, triangles, settings.error / 2, shift, progress, sums);
-  Mesh out = compacted(mesh, std::move(triangles));
+  Mesh out = drop_unused_vertices(mesh, std::move(triangles));
   if (settings.normals) {
     out.normals.resize(out.positions.size());
     settings.normals(out.positions, out.normals);

@@ -1,3 +1,6 @@
+// Chooses for each triangle the side of a box that its surroundings face most (the normals of its neighbours,
+// averaged in a few rounds, so that one side covers a whole wall) and projects its corners from there.
+
 #include "tafoni/mesh/texture.h"
 
 #include <cmath>
@@ -7,7 +10,10 @@
 namespace tafoni::mesh {
 namespace {
 
-/// Across each triangle, as long as twice its area.
+/// How often normals are summed over the triangles around: far enough that no small bump changes sides alone.
+constexpr int rounds = 3;
+
+/// Vectors across each triangle, as long as twice its area.
 std::vector<Vec3f> faces(const Mesh& mesh) {
   std::vector<Vec3f> out;
   out.reserve(mesh.triangles.size());
@@ -19,7 +25,7 @@ std::vector<Vec3f> faces(const Mesh& mesh) {
 }
 
 /// Sums over the triangles around each triangle's vertices.
-std::vector<Vec3f> smoothed(const Mesh& mesh, const std::vector<Vec3f>& normals) {
+std::vector<Vec3f> sum_around(const Mesh& mesh, const std::vector<Vec3f>& normals) {
   std::vector<Vec3f> around(mesh.positions.size()), out;
   for (std::size_t t = 0; t < normals.size(); ++t)
     for (const std::uint32_t v : mesh.triangles[t]) around[v] += normals[t];
@@ -43,7 +49,7 @@ float facing(Vec3f n, int side) {
 }
 
 /// Seen from outside, u goes right; v goes up, or north.
-Vec2<float> projected(Vec3f p, int side) {
+Vec2<float> project(Vec3f p, int side) {
   switch (side) {
     case 0:
       return {p.y, p.z};
@@ -68,8 +74,7 @@ void box_texture(Mesh& mesh, double size) {
   const auto scale = static_cast<float>(1 / size);
   const std::vector<Vec3f> own = faces(mesh);
   std::vector<Vec3f> around = own;
-  constexpr int rounds = 3;
-  for (int i = 0; i < rounds; ++i) around = smoothed(mesh, around);
+  for (int i = 0; i < rounds; ++i) around = sum_around(mesh, around);
   mesh.texture.clear();
   mesh.texture.reserve(mesh.triangles.size());
   for (std::size_t t = 0; t < own.size(); ++t) {
@@ -77,7 +82,7 @@ void box_texture(Mesh& mesh, double size) {
     if (facing(own[t], side) < least_facing) side = side_of(own[t]);
     std::array<Vec2<float>, 3> corners;
     for (std::size_t c = 0; c < 3; ++c)
-      corners[c] = projected(mesh.positions[mesh.triangles[t][c]] * scale, side);
+      corners[c] = project(mesh.positions[mesh.triangles[t][c]] * scale, side);
     mesh.texture.push_back(corners);
   }
 }

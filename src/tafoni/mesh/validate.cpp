@@ -1,3 +1,6 @@
+// Checks triangles one by one, then edges (each found once by its lower vertex), then vertices: the triangles
+// around a sound one form a single fan. Each check counts what is wrong and goes on.
+
 #include "tafoni/mesh/validate.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 #pragma once
-// Checks what is promised of every mesh: that it is closed, 2-manifold, turned outwards and without flaws.
+// Checks what every mesh of the program promises: 2-manifold, oriented, no degenerate triangles, no bad data.
 
 #include <cstdint>
 #include <string>

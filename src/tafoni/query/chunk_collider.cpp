@@ -1,3 +1,6 @@
+// Finds the chunks near a box and their trees, which are made when they are first asked for; tells sides by
+// the eight samples of a cell.
+
 #include "tafoni/query/chunk_collider.h"
 
 #include <algorithm>

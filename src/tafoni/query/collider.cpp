@@ -1,3 +1,6 @@
+// Every query once: a search walks the trees along a path or around a point, cut into pieces of a stride, and
+// keeps the best of what single triangles (impl/triangle.h) answer.
+
 #include "tafoni/query/collider.h"
 
 #include <algorithm>
@@ -85,11 +88,16 @@ struct Tracker {
   void* context;
   double limit;
 
-  static double call(void* self, const Triangle& triangle, double) {
-    auto& t = *static_cast<Tracker*>(self);
-    return t.limit = std::min(t.limit, t.found(t.context, triangle, t.limit));
+  double look(const Triangle& triangle, double) {
+    return limit = std::min(limit, found(context, triangle, limit));
   }
 };
+
+/// What a search does with a triangle, as the plain function that trees call.
+template <class Search>
+double look(void* search, const Triangle& triangle, double limit) {
+  return static_cast<Search*>(search)->look(triangle, limit);
+}
 
 }  // namespace
 
@@ -125,7 +133,7 @@ void Collider::search_along(Vec3d from, Vec3d along, Vec3d half, double radius, 
     visit(box, [&ask](const TriangleTree& tree) {
       TriangleTree::Path path = ask.path;
       path.end = std::min(path.end, ask.tracker.limit);
-      if (path.begin <= path.end) tree.along(path, &Tracker::call, &ask.tracker);
+      if (path.begin <= path.end) tree.along(path, &look<Tracker>, &ask.tracker);
     });
   };
   search(search, begin, end);
@@ -145,7 +153,7 @@ void Collider::search_around(Vec3d p, double distance, Found found, void* contex
     } around{p, tracker};
     visit(box, [&around](const TriangleTree& tree) {
       if (around.tracker.limit >= 0)
-        tree.around(around.p, around.tracker.limit, &Tracker::call, &around.tracker);
+        tree.around(around.p, around.tracker.limit, &look<Tracker>, &around.tracker);
     });
   };
   if (piece == infinity) return ask(everything);
@@ -186,16 +194,13 @@ std::optional<RayHit> Collider::ray(Vec3d from, Vec3d direction, double distance
     Vec3d from, along;
     double best = infinity;
     Vec3d normal;
+    double look(const Triangle& triangle, double) {
+      const auto hit = impl::ray_hit(triangle, from, along);
+      if (hit && *hit <= 1 && *hit < best) best = *hit, normal = triangle.cross();
+      return best;
+    }
   } search{from, unit * end, infinity, {}};
-  search_along(
-      from, search.along, {}, 0,
-      [](void* context, const Triangle& triangle, double) {
-        auto& s = *static_cast<Search*>(context);
-        const auto hit = impl::ray_hit(triangle, s.from, s.along);
-        if (hit && *hit <= 1 && *hit < s.best) s.best = *hit, s.normal = triangle.cross();
-        return s.best;
-      },
-      &search);
+  search_along(from, search.along, {}, 0, &look<Search>, &search);
   if (search.best > 1) return {};
   return RayHit{search.best * end, from + search.along * search.best, normalized(search.normal),
                 dot(search.normal, unit) > 0};
@@ -203,17 +208,14 @@ std::optional<RayHit> Collider::ray(Vec3d from, Vec3d direction, double distance
 
 Vec3d Collider::normal_at(Vec3d q) const {
   struct Search {
-    Vec3d q, normal;
+    Vec3d at, normal;
+    double look(const Triangle& triangle, double distance) {
+      if (length(impl::nearest_point(triangle, at) - at) <= impl::meeting)
+        normal += normalized(triangle.cross()) * impl::angle_at(triangle, at, impl::meeting);
+      return distance;
+    }
   } search{q, {}};
-  search_around(
-      q, impl::meeting,
-      [](void* context, const Triangle& triangle, double distance) {
-        auto& s = *static_cast<Search*>(context);
-        if (length(impl::nearest_point(triangle, s.q) - s.q) <= impl::meeting)
-          s.normal += normalized(triangle.cross()) * impl::angle_at(triangle, s.q, impl::meeting);
-        return distance;
-      },
-      &search);
+  search_around(q, impl::meeting, &look<Search>, &search);
   return normalized(search.normal);
 }
 
@@ -221,20 +223,17 @@ std::optional<ClosestPoint> Collider::closest(Vec3d p, double distance) const {
   check(p, "the point");
   check_distance(distance);
   struct Search {
-    Vec3d p, point;
+    Vec3d from, point;
     double best;
     bool found = false;
+    double look(const Triangle& triangle, double) {
+      const Vec3d q = impl::nearest_point(triangle, from);
+      const double d = length(q - from);
+      if (d <= best && (!found || d < best)) best = d, point = q, found = true;
+      return best;
+    }
   } search{p, {}, distance};
-  search_around(
-      p, distance,
-      [](void* context, const Triangle& triangle, double) {
-        auto& s = *static_cast<Search*>(context);
-        const Vec3d q = impl::nearest_point(triangle, s.p);
-        const double d = length(q - s.p);
-        if (d <= s.best && (!s.found || d < s.best)) s.best = d, s.point = q, s.found = true;
-        return s.best;
-      },
-      &search);
+  search_around(p, distance, &look<Search>, &search);
   if (!search.found) return {};
   // The sign of the distance by the weighted normal is right at edges and corners, too
   // [Baerentzen05].
@@ -254,19 +253,16 @@ bool Collider::solid(Vec3d p) const {
 bool Collider::overlaps(const Capsule& shape) const {
   check(shape);
   struct Search {
-    const Capsule& shape;
+    const Capsule& own;
     bool found = false;
+    double look(const Triangle& triangle, double end) {
+      const double most = own.radius - impl::touching;
+      found = most > 0 && impl::nearest_pair(triangle, own.a, own.b).squared < most * most;
+      return found ? -1 : end;
+    }
   } search{shape};
   const Vec3d half = (shape.b - shape.a) * 0.5;
-  search_along(
-      shape.a + half, {}, half, shape.radius,
-      [](void* context, const Triangle& triangle, double end) {
-        auto& s = *static_cast<Search*>(context);
-        const double most = s.shape.radius - impl::touching;
-        s.found = most > 0 && impl::nearest_pair(triangle, s.shape.a, s.shape.b).squared < most * most;
-        return s.found ? -1 : end;
-      },
-      &search);
+  search_along(shape.a + half, {}, half, shape.radius, &look<Search>, &search);
   return search.found || solid(shape.a);
 }
 
@@ -283,27 +279,23 @@ std::optional<Contact> Collider::buried(const Capsule& shape) const {
 std::optional<Contact> Collider::contact(const Capsule& shape) const {
   check(shape);
   struct Search {
-    const Capsule& shape;
+    const Capsule& own;
     impl::NearestPair nearest;
     double crossing = infinity;  ///< least depth among triangles that cross the axis
     Vec3d point, normal;
+    double look(const Triangle& triangle, double end) {
+      const impl::NearestPair pair = impl::nearest_pair(triangle, own.a, own.b);
+      if (pair.squared < nearest.squared) nearest = pair;
+      if (pair.squared > 0) return end;
+      const Vec3d n = normalized(triangle.cross());
+      const double below = std::max(dot(pair.on_triangle - own.a, n), dot(pair.on_triangle - own.b, n));
+      const double depth = own.radius + below;
+      if (depth < crossing) crossing = depth, point = pair.on_triangle, normal = n;
+      return end;
+    }
   } search{shape, {{}, {}, infinity}, infinity, {}, {}};
   const Vec3d half = (shape.b - shape.a) * 0.5;
-  search_along(
-      shape.a + half, {}, half, shape.radius,
-      [](void* context, const Triangle& triangle, double end) {
-        auto& s = *static_cast<Search*>(context);
-        const impl::NearestPair pair = impl::nearest_pair(triangle, s.shape.a, s.shape.b);
-        if (pair.squared < s.nearest.squared) s.nearest = pair;
-        if (pair.squared > 0) return end;
-        const Vec3d n = normalized(triangle.cross());
-        const double below =
-            std::max(dot(pair.on_triangle - s.shape.a, n), dot(pair.on_triangle - s.shape.b, n));
-        const double depth = s.shape.radius + below;
-        if (depth < s.crossing) s.crossing = depth, s.point = pair.on_triangle, s.normal = n;
-        return end;
-      },
-      &search);
+  search_along(shape.a + half, {}, half, shape.radius, &look<Search>, &search);
   if (search.crossing < infinity) return Contact{search.point, search.normal, search.crossing};
   const double gap = std::sqrt(search.nearest.squared);
   if (!(gap < shape.radius - impl::touching)) return solid(shape.a) ? buried(shape) : std::nullopt;
@@ -319,27 +311,24 @@ std::optional<SweepHit> Collider::sweep(const Capsule& shape, Vec3d motion) cons
   check(shape);
   check(motion, "the motion");
   struct Search {
-    const Capsule& shape;
-    Vec3d motion;
+    const Capsule& own;
+    Vec3d way;
     impl::MovingHit best{infinity, {}, {}};
     Vec3d face;
     bool overlap = false;
+    double look(const Triangle& triangle, double) {
+      const double most = std::min(best.time, 1.0);
+      const auto hit = impl::moving_hit(triangle, own.a, own.b, own.radius, way, most);
+      if (hit && hit->overlap) {
+        overlap = true;
+        return -1.0;
+      }
+      if (hit && hit->time < best.time) best = *hit, face = triangle.cross();
+      return best.time;
+    }
   } search{shape, motion, {infinity, {}, {}}, {}};
   const Vec3d half = (shape.b - shape.a) * 0.5;
-  search_along(
-      shape.a + half, motion, half, shape.radius,
-      [](void* context, const Triangle& triangle, double) {
-        auto& s = *static_cast<Search*>(context);
-        const double most = std::min(s.best.time, 1.0);
-        const auto hit = impl::moving_hit(triangle, s.shape.a, s.shape.b, s.shape.radius, s.motion, most);
-        if (hit && hit->overlap) {
-          s.overlap = true;
-          return -1.0;
-        }
-        if (hit && hit->time < s.best.time) s.best = *hit, s.face = triangle.cross();
-        return s.best.time;
-      },
-      &search);
+  search_along(shape.a + half, motion, half, shape.radius, &look<Search>, &search);
   const bool hit = search.best.time <= 1;
   bool rock = search.overlap;
   if (!rock) {
@@ -359,17 +348,16 @@ std::optional<SweepHit> Collider::sweep(const Capsule& shape, Vec3d motion) cons
 
 void Collider::rays(std::span<const Ray> queries, std::span<std::optional<RayHit>> out) const {
   if (out.size() != queries.size()) fail(ErrorKind::internal, "rays() wants one result a query");
-  parallel_blocks(static_cast<std::int64_t>(queries.size()), 256, [&](std::int64_t begin, std::int64_t end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+  parallel_blocks(std::ssize(queries), 256, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i)
       out[i] = ray(queries[i].from, queries[i].direction, queries[i].distance);
   });
 }
 
 void Collider::sweeps(std::span<const Motion> queries, std::span<std::optional<SweepHit>> out) const {
   if (out.size() != queries.size()) fail(ErrorKind::internal, "sweeps() wants one result a query");
-  parallel_blocks(static_cast<std::int64_t>(queries.size()), 256, [&](std::int64_t begin, std::int64_t end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-      out[i] = sweep(queries[i].shape, queries[i].motion);
+  parallel_blocks(std::ssize(queries), 256, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) out[i] = sweep(queries[i].shape, queries[i].motion);
   });
 }
 

@@ -1,3 +1,6 @@
+// Makes a tile by evaluating the bricks that hold it, with a worker that goes on in the same chunk where it
+// can, and polygonizes its cells.
+
 #include "tafoni/query/field_collider.h"
 
 #include <algorithm>
@@ -34,7 +37,7 @@ void fill_solid(const field::ChunkSamples& samples, const field::BrickBox& box, 
         if (!samples.brick(box.lo.x + bx, box.lo.y + by, box.lo.z + bz)) continue;
         for (int k = bz * n; k <= (bz + 1) * n; ++k)
           for (int j = by * n; j <= (by + 1) * n; ++j) {
-            std::uint32_t& word = tile.solid[static_cast<std::size_t>(k * s + j)];
+            std::uint32_t& word = tile.solid[k * s + j];
             for (int i = bx * n; i <= (bx + 1) * n; ++i) {
               const std::uint32_t bit = 1u << i;
               word = samples.at(first.x + i, first.y + j, first.z + k) > 0 ? word | bit : word & ~bit;

@@ -1,3 +1,6 @@
+// Looks up the tiles that a box touches in the cache and shows their trees; tells sides by the signs of a
+// cell's corners.
+
 #include "tafoni/query/lattice_collider.h"
 
 #include <algorithm>

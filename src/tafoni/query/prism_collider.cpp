@@ -1,3 +1,6 @@
+// Finds the chunks of the prism mesh near a box and their trees, which are made when they are first asked
+// for; tells sides by the pieces of the four columns around.
+
 #include "tafoni/query/prism_collider.h"
 
 #include <algorithm>
@@ -27,7 +30,7 @@ PrismCollider::~PrismCollider() = default;
 void PrismCollider::update(const volume::PrismFields& now, const volume::ColumnBox& changed) {
   fields_ = now;
   const auto changes = mesher_.update(fields_, changed);
-  chunks_.resize(static_cast<std::size_t>(mesher_.chunks_x()) * mesher_.chunks_y());
+  chunks_.resize(std::ptrdiff_t{mesher_.chunks_x()} * mesher_.chunks_y());
   for (auto& chunk : chunks_)
     if (!chunk) chunk = std::make_unique<Chunk>();
   for (const surface::ChunkChange& change : changes)
@@ -89,7 +92,7 @@ Collider::Side PrismCollider::side(Vec3d p) const {
     for (int layer = 0; layer < fields_.layers(); ++layer) {
       if (!fields_.active(layer, i, j)) continue;
       const volume::Matter matter = fields_.point(layer, i, j);
-      const auto bottom = static_cast<double>(matter.bottom), top = static_cast<double>(matter.top);
+      const double bottom = matter.bottom, top = matter.top;
       ++pieces;
       lowest = std::min(lowest, bottom);
       highest = std::max(highest, top);

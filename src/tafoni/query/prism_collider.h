@@ -33,7 +33,7 @@ class PrismCollider : public Collider {
 
  private:
   struct Chunk;
-  std::size_t index(int a, int b) const { return static_cast<std::size_t>(b) * mesher_.chunks_x() + a; }
+  std::ptrdiff_t index(int a, int b) const { return std::ptrdiff_t{b} * mesher_.chunks_x() + a; }
   const impl::TriangleTree& tree(int a, int b) const;
 
   volume::PrismFields fields_;

@@ -1,3 +1,6 @@
+// Finds places by letting a walker go from each known one to the eight columns around; ways are the shortest
+// paths in the graph of places, walked by the same strides.
+
 #include "tafoni/query/routes.h"
 
 #include <algorithm>
@@ -6,6 +9,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/mesh/inner/size32.h"
 
 namespace tafoni::query {
 namespace {
@@ -18,7 +22,7 @@ double level_distance(Vec3d a, Vec3d b) {
 }
 
 std::uint64_t column_key(std::int64_t i, std::int64_t j) {
-  return hash_combine(static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j));
+  return hash_combine(static_cast<std::uint64_t>(i), j);
 }
 
 int moves_for(double metres, double move) {
@@ -60,7 +64,7 @@ Routes::Routes(const Collider& ground, std::span<const WalkerSettings> walkers, 
     auto& here = columns[column_key(c.i, c.j)];
     for (std::uint32_t p : here)
       if (std::abs(places_[p].z - feet.z) < close) return p;
-    here.push_back(static_cast<std::uint32_t>(places_.size()));
+    here.push_back(mesh::inner::size32(places_));
     places_.push_back(feet);
     next_.emplace_back();
     at.push_back(c);
@@ -92,8 +96,9 @@ std::vector<std::uint32_t> Routes::path(std::size_t from, std::size_t to,
                                         std::span<const Stretch> closed) const {
   if (from >= places_.size() || to >= places_.size()) return {};
   constexpr std::uint32_t none = 0xffffffff;
-  std::vector<std::uint32_t> before(places_.size(), none), queue{static_cast<std::uint32_t>(from)};
-  before[from] = static_cast<std::uint32_t>(from);
+  const auto start = static_cast<std::uint32_t>(from);
+  std::vector<std::uint32_t> before(places_.size(), none), queue{start};
+  before[from] = start;
   for (std::size_t q = 0; q < queue.size() && before[to] == none; ++q)
     for (std::uint32_t next : next_[queue[q]]) {
       if (before[next] != none) continue;

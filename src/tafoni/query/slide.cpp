@@ -1,3 +1,6 @@
+// A motion goes to its first contact, loses what leads into the surface there, and goes on with the rest,
+// along one plane or the crease of two, until nothing of it is left.
+
 #include <array>
 #include <cmath>
 
@@ -7,18 +10,27 @@
 namespace tafoni::query {
 namespace {
 
+/// Surfaces that one motion may lean on; with more it ends where it is.
 constexpr int most_planes = 8;
+/// A motion may point into a plane by this share of its length, which is rounding.
+constexpr double into_plane = 1e-9;
+/// Metres. What is left of a motion below this is not worth another sweep.
+constexpr double nothing_left = 1e-9;
+/// Pushes out of the rock that are tried for a shape that overlaps it.
+constexpr int most_pushes = 16;
+/// A surface whose normal has less than this across it is level: it has no take_as_wall to be taken for.
+constexpr double least_level = 1e-6;
 
 /// What is left of a motion that must not enter any of the planes.
 Vec3d along_planes(Vec3d motion, const std::array<Vec3d, most_planes>& normals, int count) {
   const auto allowed = [&](Vec3d m) {
-    const double least = -1e-9 * length(m);
+    const double least = -into_plane * length(m);
     for (int i = 0; i < count; ++i)
-      if (dot(m, normals[static_cast<std::size_t>(i)]) < least) return false;
+      if (dot(m, normals[i]) < least) return false;
     return true;
   };
   if (allowed(motion)) return motion;
-  const auto normal = [&](int i) { return normals[static_cast<std::size_t>(i)]; };
+  const auto normal = [&](int i) { return normals[i]; };
   Vec3d best;
   double longest = 0;
   const auto consider = [&](Vec3d m) {
@@ -40,18 +52,17 @@ Vec3d along_planes(Vec3d motion, const std::array<Vec3d, most_planes>& normals, 
 }
 
 /// What a surface that is too steep to climb is taken for.
-Vec3d upright(Vec3d normal, double wall) {
+Vec3d take_as_wall(Vec3d normal, double wall) {
   if (normal.z >= wall) return normal;
   const Vec3d level{normal.x, normal.y, 0};
-  return length(level) > 1e-6 ? normalized(level) : normal;
+  return length(level) > least_level ? normalized(level) : normal;
 }
 
 }  // namespace
 
 /// Moves `at` until the shape overlaps nothing; false when some steps do not get there.
 bool Collider::free(const Capsule& shape, Vec3d& at, double skin) const {
-  constexpr int steps = 16;
-  for (int i = 0; i < steps; ++i) {
+  for (int i = 0; i < most_pushes; ++i) {
     const auto overlap = contact(shape.moved(at));
     if (!overlap) return true;
     if (!std::isfinite(overlap->depth)) return false;
@@ -90,9 +101,9 @@ Slide Collider::slide(const Capsule& shape, Vec3d motion, const SlideSettings& s
     result.moved += left * (travel / size);
     left = left * (1 - travel / size);
     if (planes == most_planes) return result;
-    normals[static_cast<std::size_t>(planes++)] = upright(hit->normal, settings.wall);
+    normals[planes++] = take_as_wall(hit->normal, settings.wall);
     left = along_planes(left, normals, planes);
-    if (!(dot(left, motion) > 0) || length(left) < 1e-9) return result;
+    if (!(dot(left, motion) > 0) || length(left) < nothing_left) return result;
   }
   return result;
 }

@@ -1,3 +1,6 @@
+// A walker on the ground slides along the surface and is let down onto it, then tries to stride over what
+// stopped it, a step up, forward and down; in the air it falls and drifts.
+
 #include "tafoni/query/walker.h"
 
 #include <algorithm>
@@ -12,6 +15,22 @@ constexpr Vec3d up{0, 0, 1};
 
 /// Metres, added to the radius: how far beyond itself a walker looks for footing.
 constexpr double near_beyond = 0.15;
+/// A walk that ends this near to its goal, as a share of its length, needs no other way to be tried.
+constexpr double near_goal = 0.05;
+/// Footing beyond an obstacle counts where it is this near to the place looked at, as a share of the way
+/// there.
+constexpr double near_place = 0.1;
+/// Surfaces whose normal's z is at most this are walls or roofs: nobody asks what lies behind their edge.
+constexpr double least_edge = 0.05;
+/// How far behind an edge the ground is asked for, in radii, and how much further down than the steepest
+/// slope would lead, in units of that distance.
+constexpr double behind_edge = 0.05, below_slope = 0.5;
+/// The skin is kept along a normal; down, it is that over the normal's z, which counts as no less than this.
+constexpr double least_rise = 0.1;
+/// Metres. Another footing must be nearer to the goal by this, which is more than rounding, to be preferred.
+constexpr double clearly = 1e-6;
+/// Radians, just below a right angle, whose tangent is without end.
+constexpr double steepest = 1.57;
 
 Vec3d level(Vec3d v) {
   return {v.x, v.y, 0};
@@ -26,7 +45,7 @@ Walker::Walker(const WalkerSettings& settings, Vec3d feet)
     fail(ErrorKind::usage,
          "a walker of radius {} m and height {} m is no capsule: give a height of two radii or more",
          s.radius, s.height);
-  if (!(s.step >= 0) || !(s.slope >= 0 && s.slope < 1.57) || !(s.gravity >= 0) || !(s.fall > 0) ||
+  if (!(s.step >= 0) || !(s.slope >= 0 && s.slope < steepest) || !(s.gravity >= 0) || !(s.fall > 0) ||
       !(s.skin > 0))
     fail(ErrorKind::usage,
          "a walker needs a step and gravity of 0 or more, a slope below 90 degrees, and a skin and fall "
@@ -41,10 +60,10 @@ Capsule Walker::capsule_at(Vec3d feet) const {
 /// edge.
 bool Walker::walkable(const Collider& ground, Vec3d point, Vec3d normal) const {
   if (normal.z >= floor_) return true;
-  if (normal.z <= 0.05) return false;
-  const double back = 0.05 * settings_.radius;
+  if (normal.z <= least_edge) return false;
+  const double back = behind_edge * settings_.radius;
   const Vec3d behind = point - normalized(level(normal)) * back;
-  const double reach = back * (std::tan(settings_.slope) + 0.5);
+  const double reach = back * (std::tan(settings_.slope) + below_slope);
   const auto hit = ground.ray(behind + up * reach, -up, 2 * reach);
   return hit && !hit->from_rock && hit->normal.z >= floor_;
 }
@@ -65,7 +84,8 @@ Walker::Footing Walker::let_down(const Collider& ground, Vec3d feet, double dept
   const auto hit = ground.sweep(shape, down);
   if (!hit || hit->depth > 0) return {};
   if (steep || walkable(ground, hit->point, hit->normal)) {
-    const double way = std::max(0.0, hit->time * depth - settings_.skin / std::max(hit->normal.z, 0.1));
+    const double way =
+        std::max(0.0, hit->time * depth - settings_.skin / std::max(hit->normal.z, least_rise));
     return {true, feet - up * way, hit->normal, hit->point};
   }
   // Beside the foot of a wall the wall is met first: the ground may lie just below.
@@ -113,18 +133,18 @@ void Walker::walk(const Collider& ground, Vec3d way) {
   }
   const Vec3d slid = feet_ + slide.moved;
   Footing best = footing(ground, slid, settings_.step + settings_.skin + std::max(0.0, slide.moved.z));
-  if (best.found && off(best.feet) <= 0.05 * wanted) return stand(best);
-  double error = best.found ? off(best.feet) : std::max(off(slid), 0.05 * wanted);
+  if (best.found && off(best.feet) <= near_goal * wanted) return stand(best);
+  double error = best.found ? off(best.feet) : std::max(off(slid), near_goal * wanted);
   const auto consider = [&](const Footing& other) {
-    if (other.found && off(other.feet) < error - 1e-6) best = other, error = off(other.feet);
+    if (other.found && off(other.feet) < error - clearly) best = other, error = off(other.feet);
   };
   consider(stride(ground, feet_, goal));
   // What is too steep but no higher than a step is gone over if there is footing beyond it.
   for (double beyond : {settings_.radius + near_beyond, (settings_.radius + near_beyond) / 2}) {
-    if (error <= 0.05 * wanted || wanted >= beyond) break;
+    if (error <= near_goal * wanted || wanted >= beyond) break;
     const Vec3d there = feet_ + way * (beyond / wanted);
     const Footing landed = stride(ground, feet_, there);
-    if (landed.found && length(level(there - landed.feet)) < 0.1 * beyond)
+    if (landed.found && length(level(there - landed.feet)) < near_place * beyond)
       consider(lift_over(ground, feet_, goal, true));
   }
   if (best.found) return stand(best);
@@ -148,7 +168,7 @@ void Walker::fly(const Collider& ground, Vec3d way, double seconds) {
     const Footing found = footing(ground, feet_, settings_.step);
     if (found.found) return stand(found);
   }
-  // In a cleft that holds it, it stands.
+  // Where a cleft holds it, it stands.
   if (falling && fall.hits.size() > 1 && length(fall.moved) < settings_.skin) {
     velocity_ = {};
     grounded_ = true;

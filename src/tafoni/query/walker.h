@@ -32,10 +32,11 @@ class Walker {
 
   Vec3d feet() const { return feet_; }
   Capsule capsule() const { return capsule_at(feet_); }
-  /// Of a fall or of sliding down what is too steep, metres a second; 0 on the ground, whatever it wishes.
+  /// The velocity of a fall or of sliding down what is too steep, metres a second; 0 on the ground, whatever
+  /// it wishes.
   Vec3d velocity() const { return velocity_; }
   bool grounded() const { return grounded_; }
-  /// Of what it stands on; up where it does not.
+  /// The normal of what it stands on; up where it stands on nothing.
   Vec3d ground_normal() const { return normal_; }
   bool stuck() const { return stuck_; }
   const WalkerSettings& settings() const { return settings_; }

@@ -1,3 +1,6 @@
+// Draws starts, looks for routes around each, draws two places of these, and lets a walker go from one to the
+// other while its overlap with the ground is measured at points of its axis.
+
 #include "tafoni/query/walks.h"
 
 #include <algorithm>
@@ -10,22 +13,38 @@
 namespace tafoni::query {
 namespace {
 
-/// What ways are planned for: a walker with a little less of everything, so that the one that walks them has
-/// something in hand when it does not come to every place by the same way.
+/// Ways are planned for a walker with a little less of everything, so that the one that walks them has
+/// something in hand when it does not come to every place by the same way: shares of what it has.
+struct Margins {
+  double radius = 1.1;  ///< a wider walker keeps off walls
+  double taller = 0.1;  ///< of its radius: keeps off roofs
+  double step = 0.8;
+  double slope = 0.9;
+};
+
 WalkerSettings with_margins(WalkerSettings walker) {
-  walker.radius *= 1.1;
-  walker.height += 0.1 * walker.radius;
-  walker.step *= 0.8;
-  walker.slope *= 0.9;
+  constexpr Margins margins;
+  walker.radius *= margins.radius;
+  walker.height += margins.taller * walker.radius;
+  walker.step *= margins.step;
+  walker.slope *= margins.slope;
   return walker;
 }
 
+/// Starts that are drawn before the box is given up.
+constexpr int most_starts = 20000;
+/// Places that a start must lead to, so that routes from it have a choice.
+constexpr std::size_t enough_places = 60;
+/// Pairs of places that are drawn for a route that is long enough; then the last pair has to do.
+constexpr int most_pairs = 200;
+/// Points of the capsule's axis at which its overlap is measured.
+constexpr int axis_points = 7;
+
 /// How far the surface comes within the capsule, by the points of its axis.
 double overlap_of(const Collider& ground, const Capsule& shape) {
-  constexpr int points = 7;
   double worst = 0;
-  for (int i = 0; i < points; ++i) {
-    const Vec3d p = shape.a + (shape.b - shape.a) * (i / double{points - 1});
+  for (int i = 0; i < axis_points; ++i) {
+    const Vec3d p = shape.a + (shape.b - shape.a) * (i / double{axis_points - 1});
     if (const auto near = ground.closest(p, shape.radius))
       worst = std::max(worst, shape.radius - near->distance);
   }
@@ -35,10 +54,9 @@ double overlap_of(const Collider& ground, const Capsule& shape) {
 /// Places from which many others can be reached.
 Routes find_start(const Collider& ground, const Box3d& box, const WalkSettings& settings, Random& random,
                   Progress& progress) {
-  constexpr int tries = 20000;
   const WalkerSettings planned = with_margins(settings.walker), walkers[] = {planned, settings.walker};
-  const std::size_t enough = std::min<std::size_t>(60, settings.routes.places);
-  for (int i = 0; i < tries; ++i) {
+  const std::size_t enough = std::min(enough_places, settings.routes.places);
+  for (int i = 0; i < most_starts; ++i) {
     progress.check();
     const double x = random.uniform(box.lo.x, box.hi.x), y = random.uniform(box.lo.y, box.hi.y);
     const std::vector<Vec3d> places =
@@ -80,16 +98,16 @@ std::vector<Vec3d> surface_points(const Capsule& shape, double inset) {
 std::vector<Walk> random_walks(const Collider& ground, const Box3d& box, const WalkSettings& settings,
                                const std::function<double(const Capsule&)>& check, Progress& progress) {
   if (settings.count < 1 || settings.around < 1) fail(ErrorKind::usage, "give a number of routes above 0");
-  static_cast<void>(Walker(settings.walker, {}));  // says what is wrong with it before margins change it
-  std::vector<Walk> walks(static_cast<std::size_t>(settings.count));
+  (void)Walker(settings.walker, {});  // says what is wrong with it before margins change it
+  std::vector<Walk> walks(settings.count);
   const int groups = (settings.count + settings.around - 1) / settings.around;
-  progress.begin("walks", static_cast<std::uint64_t>(groups), "starts");
+  progress.begin("walks", groups, "starts");
   parallel_for(
       groups,
       [&](std::int64_t group) {
-        Random random(settings.seed, static_cast<std::uint64_t>(group));
-        const auto first = static_cast<std::size_t>(group) * static_cast<std::size_t>(settings.around);
-        const std::size_t last = std::min(walks.size(), first + static_cast<std::size_t>(settings.around));
+        Random random(settings.seed, group);
+        const std::size_t first = group * settings.around;
+        const std::size_t last = std::min(walks.size(), first + settings.around);
         const Routes routes = find_start(ground, box, settings, random, progress);
         for (std::size_t w = first; w < last; ++w) {
           std::size_t from = 0, to = 0;
@@ -98,7 +116,7 @@ std::vector<Walk> random_walks(const Collider& ground, const Box3d& box, const W
             return length(routes.places()[to] - routes.places()[from]) < 2 * settings.walker.radius ||
                    length_of(routes.way(routes.path(from, to))) < settings.least;
           };
-          for (int tries = 0; tries < 200 && wanting(); ++tries) {
+          for (int tries = 0; tries < most_pairs && wanting(); ++tries) {
             from = random.below(routes.places().size());
             to = random.below(routes.places().size());
           }

@@ -1,3 +1,6 @@
+// An edit changes the grid, the mesher makes its chunks anew, and a new snapshot takes the place of the one
+// before under a lock held for moments. One mutex puts edits in order; readers hold snapshots.
+
 #include "tafoni/runtime/destructible_terrain.h"
 
 #include <algorithm>
@@ -177,7 +180,7 @@ void DestructibleTerrain::Impl::apply(std::span<const Message> messages, Progres
     publish(std::move(now), changes);
   } catch (...) {
     mesher_in_step = false;
-    history.cut(static_cast<std::size_t>(last->version() - 1));
+    history.cut(last->version() - 1);
     ground.grid = last->grid();
     throw;
   }
@@ -256,7 +259,7 @@ std::vector<Message> DestructibleTerrain::edits_since(std::uint64_t version) con
   const std::lock_guard lock(impl_->edit_mutex);
   const auto& edits = impl_->history.edits();
   const std::uint64_t first = std::clamp<std::uint64_t>(version, 1, edits.size() + 1) - 1;
-  return {edits.begin() + static_cast<std::ptrdiff_t>(first), edits.end()};
+  return {edits.begin() + first, edits.end()};
 }
 
 void DestructibleTerrain::save(const std::filesystem::path& journal) const {

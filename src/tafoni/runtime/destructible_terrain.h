@@ -10,13 +10,17 @@
 #include <vector>
 
 #include "tafoni/core/progress.h"
+#include "tafoni/mesh/mesh.h"
 #include "tafoni/query/collider.h"
 #include "tafoni/runtime/journal.h"
 #include "tafoni/runtime/operation.h"
-#include "tafoni/scene/build/build.h"
 #include "tafoni/surface/chunk.h"
 #include "tafoni/surface/grid_mesher.h"
 #include "tafoni/volume/scalar_grid.h"
+
+namespace tafoni::scene {
+struct BuiltScene;
+}
 
 namespace tafoni::runtime {
 
@@ -69,7 +73,7 @@ class Snapshot {
   std::vector<Vec3i> chunks() const;
   const volume::ScalarGrid& grid() const;  ///< local
 
-  /// For query::Walker and whatever else takes a collider; local.
+  /// What query::Walker and whatever else takes a collider are given; its positions are local.
   const query::Collider& collider() const;
   /// query::Collider's own, in world positions.
   std::optional<query::RayHit> ray(Vec3d from, Vec3d direction, double distance) const;
@@ -144,7 +148,7 @@ class DestructibleTerrain {
   /// All chunks as one mesh without repeated vertices.
   mesh::Mesh mesh() const;
 
-  /// Of the terrain as opened: what a journal belongs to, and what peers compare first.
+  /// The digest of the terrain as opened: what a journal belongs to, and what peers compare first.
   Digest base() const;
   struct State {
     std::uint64_t version = 0;

@@ -1,3 +1,6 @@
+// Reads, writes and appends the records of a journal. Checksums tell a damaged record from one that a crash
+// left unfinished, which is cut off.
+
 #include "tafoni/runtime/journal.h"
 
 #include <algorithm>
@@ -39,7 +42,7 @@ std::uint64_t head_checksum(Digest base, std::span<const std::byte> head) {
 
 void put_record(ByteWriter& out, Digest base, std::uint32_t number, const Message& message) {
   const std::size_t begin = out.bytes.size();
-  out.put(static_cast<std::uint32_t>(message.size()));
+  out.put_count(message);
   out.put(number);
   const std::uint64_t check = head_checksum(base, std::span(out.bytes).subspan(begin));
   out.put(check);
@@ -73,9 +76,9 @@ std::vector<std::byte> read_whole(const std::filesystem::path& file) {
   const auto size = std::filesystem::file_size(file, code);
   std::ifstream in(file, std::ios::binary);
   if (code || !in) fail(ErrorKind::input, "{}: cannot be read; check the path", file.string());
-  std::vector<std::byte> bytes(static_cast<std::size_t>(size));
+  std::vector<std::byte> bytes(size);
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  bytes.resize(static_cast<std::size_t>(in.gcount()));
+  bytes.resize(in.gcount());
   return bytes;
 }
 
@@ -98,10 +101,11 @@ JournalContents parse_journal(std::span<const std::byte> bytes, std::string_view
   while (bytes[written - 1] == std::byte{0} && written > header_bytes) --written;
   std::size_t at = header_bytes;
   Message message;
-  while (at < written && take(bytes.subspan(at), written - at, contents.base,
-                              static_cast<std::uint32_t>(contents.edits.size()) + 1, name, message)) {
+  std::uint32_t number = 1;
+  while (at < written && take(bytes.subspan(at), written - at, contents.base, number, name, message)) {
     at += head_bytes + message.size() + tail_bytes;
     contents.edits.push_back(std::move(message));
+    ++number;
   }
   contents.bytes = at;
   contents.torn = bytes.size() - at;
@@ -169,7 +173,7 @@ void JournalWriter::append(std::span<const Message> messages) {
     const ssize_t n = ::write(fd_, records.bytes.data() + done, records.bytes.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n >= 0) {
-      done += static_cast<std::size_t>(n);
+      done += n;
       continue;
     }
     const int error = errno;

@@ -1,3 +1,6 @@
+// Edits as bytes: version, kind, numbers, little-endian. What is decoded is checked as what is
+// encoded is.
+
 #include "tafoni/runtime/operation.h"
 
 #include <algorithm>
@@ -71,9 +74,9 @@ void put(ByteWriter& out, const ToolUse& use) {
   out.put(Kind::tool);
   out.put(static_cast<std::uint8_t>(use.edit));
   out.put(data.kind);
-  out.put(static_cast<std::uint32_t>(data.points.size()));
+  out.put_count(data.points);
   for (Vec3d p : data.points) put(out, p);
-  out.put(static_cast<std::uint32_t>(data.sizes.size()));
+  out.put_count(data.sizes);
   for (double v : data.sizes) out.put(v);
 }
 
@@ -90,7 +93,7 @@ void put(ByteWriter& out, const Radial& r) {
   out.put(Kind::radial);
   put(out, r.center);
   out.put(r.radius);
-  out.put(static_cast<std::uint32_t>(r.change.size()));
+  out.put_count(r.change);
   for (double v : r.change) out.put(v);
 }
 

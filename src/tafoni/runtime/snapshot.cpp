@@ -1,3 +1,6 @@
+// Queries in world positions: each is the collider's own, moved by the origin on the way in and back on the
+// way out.
+
 #include "tafoni/runtime/impl/snapshot_state.h"
 
 namespace tafoni::runtime {

@@ -45,13 +45,13 @@ struct ChunkChange {
   friend bool operator==(const ChunkChange&, const ChunkChange&) = default;
 };
 
-/// By y, then x, then z: the order of chunks in every list, and in meshes made of all chunks.
+/// Sorts by y, then x, then z: the order of chunks in every list, and in meshes made of all chunks.
 struct ChunkOrder {
   bool operator()(Vec3i a, Vec3i b) const { return std::tie(a.y, a.x, a.z) < std::tie(b.y, b.x, b.z); }
   bool operator()(const ChunkChange& a, const ChunkChange& b) const { return (*this)(a.chunk, b.chunk); }
 };
 
-/// For unordered containers by chunk.
+/// The hash of unordered containers by chunk.
 struct ChunkHash {
   std::size_t operator()(Vec3i chunk) const {
     const std::uint32_t x = chunk.x, y = chunk.y, z = chunk.z;

@@ -1,3 +1,6 @@
+// Feeds a dense grid to the polygonizer's core: the signs of all samples first, which tell how much to
+// reserve, then plane by plane straight into the mesh.
+
 #include "tafoni/surface/dense_grid.h"
 
 #include <vector>
@@ -10,14 +13,17 @@
 namespace tafoni::surface {
 namespace {
 
+/// How many words of solid bits, of 64 samples each, a row of samples takes.
+int words_a_row(const DenseGrid& g) {
+  return (g.nx + 63) / 64;
+}
+
 /// Every cell of the grid.
 struct AllCells {
-  explicit AllCells(const DenseGrid& g)
-      : layers(g.nz - 1),
-        mask(static_cast<std::size_t>(g.ny - 1) * static_cast<std::size_t>((g.nx + 63) / 64), 0) {
-    const std::size_t words = static_cast<std::size_t>((g.nx + 63) / 64);
-    for (std::size_t w = 0; w < mask.size(); ++w) {
-      const int cells = g.nx - 1 - 64 * static_cast<int>(w % words);
+  explicit AllCells(const DenseGrid& g) : layers(g.nz - 1), mask((g.ny - 1) * words_a_row(g), 0) {
+    const int words = words_a_row(g);
+    for (int w = 0; w < std::ssize(mask); ++w) {
+      const int cells = g.nx - 1 - 64 * (w % words);
       mask[w] = cells >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << cells) - 1;
     }
   }
@@ -38,7 +44,7 @@ struct DenseSink {
 
   void vertices(int k, const impl::PlaneOutput& out) {
     const std::size_t n = out.keys.size();
-    plane.f = grid.samples + static_cast<std::ptrdiff_t>(k) * grid.nx * grid.ny;
+    plane.f = grid.samples + std::ptrdiff_t{k} * grid.nx * grid.ny;
     plane.k = k;
     plane.level = k;
     positions.reserve_extra(3 * (n + impl::kernel_slack));
@@ -59,8 +65,7 @@ struct DenseSink {
 
 /// The solid bits of every sample: an eighth of a byte each, so that the grid itself is streamed once.
 std::vector<std::uint64_t> all_signs(const DenseGrid& g) {
-  const std::size_t words = static_cast<std::size_t>((g.nx + 63) / 64);
-  std::vector<std::uint64_t> bits(words * static_cast<std::size_t>(g.ny) * static_cast<std::size_t>(g.nz));
+  std::vector<std::uint64_t> bits(std::ptrdiff_t{g.ny} * g.nz * words_a_row(g));
   impl::signs(g.samples, g.nx, g.ny * g.nz, bits.data());
   return bits;
 }
@@ -68,8 +73,7 @@ std::vector<std::uint64_t> all_signs(const DenseGrid& g) {
 /// Reserves the output: vertices exactly, triangles as many as a surface of few borders and handles has.
 void reserve_output(const DenseGrid& g, const std::vector<std::uint64_t>& bits, bool normals,
                     mesh::Mesh& out) {
-  const std::size_t row = static_cast<std::size_t>((g.nx + 63) / 64),
-                    plane = row * static_cast<std::size_t>(g.ny);
+  const std::size_t row = words_a_row(g), plane = row * g.ny;
   std::uint64_t vertices = impl::count_differences(bits.data(), bits.data() + plane, bits.size() - plane);
   for (std::size_t at = 0; at < bits.size(); at += plane)
     vertices += impl::count_differences(bits.data() + at, bits.data() + at + row, plane - row);
@@ -110,8 +114,8 @@ void polygonize_grid(const DenseGrid& grid, bool normals, mesh::Mesh& out) {
   sink.plane.nx = grid.nx, sink.plane.ny = grid.ny, sink.plane.nz = grid.nz;
   sink.plane.voxel = grid.spacing;
   sink.plane.margin = impl::margin_for(4096);
-  walker.walk(grid.samples, grid.nx, grid.ny, grid.nz, grid.nx,
-              static_cast<std::ptrdiff_t>(grid.nx) * grid.ny, AllCells(grid), sink, bits.data());
+  walker.walk(grid.samples, grid.nx, grid.ny, grid.nz, grid.nx, std::ptrdiff_t{grid.nx} * grid.ny,
+              AllCells(grid), sink, bits.data());
 }
 
 }  // namespace tafoni::surface

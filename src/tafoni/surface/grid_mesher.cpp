@@ -1,3 +1,6 @@
+// Finds the chunks that changed samples touch, lets one GridChunkMaker a thread make them anew, and tells
+// which meshes differ. Assembling numbers each vertex by the chunk that owns its edge.
+
 #include "tafoni/surface/grid_mesher.h"
 
 #include <algorithm>
@@ -8,6 +11,7 @@
 #include <unordered_map>
 
 #include "tafoni/core/parallel.h"
+#include "tafoni/mesh/inner/size32.h"
 #include "tafoni/surface/impl/connect.h"
 #include "tafoni/surface/impl/grid_chunk_maker.h"
 
@@ -33,7 +37,7 @@ struct Job {
   bool differs = false;
 };
 
-SampleBox joined(const SampleBox& a, const SampleBox& b) {
+SampleBox box_around(const SampleBox& a, const SampleBox& b) {
   return {{std::min(a.lo.x, b.lo.x), std::min(a.lo.y, b.lo.y), std::min(a.lo.z, b.lo.z)},
           {std::max(a.hi.x, b.hi.x), std::max(a.hi.y, b.hi.y), std::max(a.hi.z, b.hi.z)}};
 }
@@ -58,7 +62,7 @@ bool may_have_surface(const volume::ScalarGrid& grid, const GridLayout& layout, 
 std::pair<std::uint32_t, std::uint32_t> VoxelPolygons::of(Vec3i voxel) const {
   const auto found = std::lower_bound(voxels.begin(), voxels.end(), voxel, voxel_before);
   if (found == voxels.end() || !(*found == voxel)) return {0, 0};
-  const auto at = static_cast<std::size_t>(found - voxels.begin());
+  const std::size_t at = found - voxels.begin();
   return {first[at], first[at + 1]};
 }
 
@@ -93,7 +97,7 @@ std::vector<Job> GridMesher::State::jobs(const volume::ScalarGrid& grid,
   std::size_t count = 0;
   for (const Job& job : out)
     if (count && out[count - 1].chunk == job.chunk)
-      out[count - 1].changed = joined(out[count - 1].changed, job.changed);
+      out[count - 1].changed = box_around(out[count - 1].changed, job.changed);
     else
       out[count++] = job;
   out.resize(count);
@@ -149,8 +153,7 @@ std::vector<ChunkChange> GridMesher::update(const volume::ScalarGrid& grid,
   for (Job& job : jobs) job.state = &s.chunks[job.chunk];
   progress.begin("mesh", jobs.size(), "chunks");
   parallel_for(
-      static_cast<std::int64_t>(jobs.size()),
-      [&](std::int64_t i) { s.make(grid, jobs[static_cast<std::size_t>(i)]); }, progress);
+      std::ssize(jobs), [&](std::int64_t i) { s.make(grid, jobs[i]); }, progress);
   progress.end();
   for (const Job& job : jobs) {
     if (job.differs) out.push_back({job.chunk, s.version});
@@ -198,9 +201,8 @@ std::uint32_t vertex_on(const GridLayout& layout, Vec3i chunk, const GridChunkSt
   const Vec3i at = start - block.origin;
   const impl::RowEdges e = state.edges(block, at.y, at.z);
   const std::uint64_t axes[] = {e.x, e.y, e.z}, below = (std::uint64_t{1} << at.x) - 1;
-  auto vertex = state.vertex_at[static_cast<std::size_t>(at.z * block.samples.y + at.y)];
-  for (int a = 0; a <= axis; ++a)
-    vertex += static_cast<std::uint32_t>(std::popcount(a < axis ? axes[a] : axes[a] & below));
+  auto vertex = state.vertex_at[at.z * block.samples.y + at.y];
+  for (int a = 0; a <= axis; ++a) vertex += std::popcount(a < axis ? axes[a] : axes[a] & below);
   return vertex;
 }
 
@@ -219,7 +221,7 @@ mesh::Mesh GridMesher::assemble() const {
     number.resize(state.mesh->positions.size());
     for_edges(*s.layout, at, state, [&](std::uint32_t v, Vec3i start, int) {
       if (!(s.layout->owner(start) == at)) return;
-      number[v] = static_cast<std::uint32_t>(out.positions.size());
+      number[v] = mesh::inner::size32(out.positions);
       out.positions.push_back(state.mesh->positions[v]);
       out.normals.push_back(state.mesh->normals[v]);
     });

@@ -51,8 +51,8 @@ struct GridMesherSettings {
   bool polygons = false;
 };
 
-/// Not for several threads at once, but works on several itself. Besides the meshes, holds 20 KB a chunk with
-/// surface, 25 KB with polygons.
+/// A mesher is not for several threads at once, but works on several itself. Besides the meshes it holds 20
+/// KB a chunk with surface, 25 KB with polygons.
 class GridMesher {
  public:
   explicit GridMesher(const GridMesherSettings& settings = {});
@@ -67,7 +67,7 @@ class GridMesher {
   std::vector<ChunkChange> update(const volume::ScalarGrid& grid, std::span<const volume::SampleBox> changed,
                                   Progress& progress = silent());
 
-  /// Never null; empty where there is no surface.
+  /// The chunk's mesh: never null, and empty where there is no surface.
   GridChunkPtr chunk(Vec3i chunk) const;
   /// Every chunk with triangles, sorted.
   std::vector<Vec3i> chunks() const;

@@ -1,3 +1,6 @@
+// Finds the chunks that changed boxes touch, evaluates only the bricks of each that read a changed sample,
+// and takes over from the last piece (impl/piece.h) every vertex whose edge kept both ends.
+
 #include "tafoni/surface/incremental_mesher.h"
 
 #include <algorithm>
@@ -24,7 +27,7 @@ using impl::Piece;
 
 constexpr int n = field::chunk_cells;
 constexpr int samples = n + 1;
-constexpr std::size_t row_words = 2;
+constexpr int row_words = 2;
 constexpr int far = (1 << 30) - 1;  ///< beyond every cell, yet differences fit an int
 
 constexpr ChunkOrder before{};
@@ -71,14 +74,14 @@ void Chunk::read_signs(const ChunkSamples& from, const BrickBox& box) {
       for (int bx = box.lo.x; bx <= box.hi.x + 1; ++bx) {
         const Vec3i count = from.read(bx, by, bz, box);
         const std::uint64_t mask = (std::uint64_t{1} << count.x) - 1;
-        const auto word = static_cast<std::size_t>(bx / brick_cells);
+        const std::size_t word = bx / brick_cells;
         const int shift = bx % brick_cells * brick_cells;
         for (int k = bz * brick_cells; k < bz * brick_cells + count.z; ++k)
           for (int j = by * brick_cells; j < by * brick_cells + count.y; ++j) {
             const float* f = from.f.data() + (k * ChunkSamples::ny + j) * ChunkSamples::nx + bx * brick_cells;
             std::uint64_t bits = 0;
-            for (int i = 0; i < brick_cells; ++i) bits |= static_cast<std::uint64_t>(f[i] > 0) << i;
-            std::uint64_t& row = signs[row_words * static_cast<std::size_t>(k * samples + j) + word];
+            for (int i = 0; i < brick_cells; ++i) bits |= std::uint64_t{f[i] > 0} << i;
+            std::uint64_t& row = signs[row_words * (k * samples + j) + word];
             row = (row & ~(mask << shift)) | ((bits & mask) << shift);
           }
       }
@@ -200,8 +203,7 @@ std::vector<Vec3i> IncrementalMesher::State::candidates(const field::CompiledFie
   if (width <= 0 || depth <= 0) return {};
   constexpr int few = 64;
   const field::ChunkEvaluator::Range given{first.z, last.z};
-  std::vector<field::ChunkEvaluator::Range> ranges(
-      static_cast<std::size_t>(width) * static_cast<std::size_t>(depth), given);
+  std::vector<field::ChunkEvaluator::Range> ranges(std::ptrdiff_t{width} * depth, given);
   std::vector<Vec3i> out;
   if (last.z - first.z >= few) {
     // Too tall to look everywhere.
@@ -209,7 +211,7 @@ std::vector<Vec3i> IncrementalMesher::State::candidates(const field::CompiledFie
       with_worker(now, [&](Worker& worker) {
         const auto own =
             worker.prepare(first.x + static_cast<int>(i % width), first.y + static_cast<int>(i / width));
-        auto& range = ranges[static_cast<std::size_t>(i)];
+        auto& range = ranges[i];
         range = {std::max(range.first, own.first), std::min(range.last, own.last)};
       });
     });
@@ -219,8 +221,7 @@ std::vector<Vec3i> IncrementalMesher::State::candidates(const field::CompiledFie
         out.push_back(at);
   }
   for (int i = 0; i < width * depth; ++i)
-    for (int c = ranges[static_cast<std::size_t>(i)].first; c <= ranges[static_cast<std::size_t>(i)].last;
-         ++c)
+    for (int c = ranges[i].first; c <= ranges[i].last; ++c)
       out.push_back({first.x + i % width, first.y + i / width, c});
   return out;
 }
@@ -342,10 +343,8 @@ std::vector<ChunkChange> IncrementalMesher::update(const field::CompiledField& n
   }
   progress.begin("mesh", jobs.size(), "chunks");
   parallel_for(
-      static_cast<std::int64_t>(jobs.size()),
-      [&](std::int64_t i) {
-        s.with_worker(now, [&](Worker& worker) { s.remake(worker, jobs[static_cast<std::size_t>(i)]); });
-      },
+      std::ssize(jobs),
+      [&](std::int64_t i) { s.with_worker(now, [&](Worker& worker) { s.remake(worker, jobs[i]); }); },
       progress);
   progress.end();
   for (const auto& worker : s.workers) {
@@ -382,8 +381,8 @@ mesh::Mesh IncrementalMesher::assemble() {
   const auto order = chunks();
   const bool parts = s.settings.min_fragment_volume > 0;
   if (parts)
-    parallel_for(static_cast<std::int64_t>(order.size()), [&](std::int64_t i) {
-      Chunk& chunk = *s.chunks.at(order[static_cast<std::size_t>(i)]);
+    parallel_for(std::ssize(order), [&](std::int64_t i) {
+      Chunk& chunk = *s.chunks.at(order[i]);
       if (chunk.parts_known) return;
       std::vector<std::uint32_t> scratch;
       impl::find_parts(chunk.piece, scratch);

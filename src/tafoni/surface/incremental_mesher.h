@@ -15,8 +15,8 @@ namespace tafoni::surface {
 /// Chunks (chunk.h) have field::chunk_cells cells a side; their positions are local metres. Pieces of surface
 /// that assemble() removes for being small are still in them.
 ///
-/// Not for several threads at once, but works on several itself. Holds about 40 bytes a vertex and triangle
-/// and 70 KB a chunk with surface, no samples.
+/// A mesher is not for several threads at once, but works on several itself. It holds about 40 bytes a vertex
+/// and triangle and 70 KB a chunk with surface, no samples.
 class IncrementalMesher {
  public:
   /// Throws as polygonize() does. Tiles are not used.
@@ -39,7 +39,7 @@ class IncrementalMesher {
   /// One mesh, byte for byte what polygonize() makes of the last update's field with the same settings.
   mesh::Mesh assemble();
 
-  /// Of the last update.
+  /// What the last update did.
   struct Stats {
     std::uint64_t chunks = 0;     ///< looked at
     std::uint64_t evaluated = 0;  ///< samples

@@ -1,3 +1,6 @@
+// Walks the columns of chunks on all threads, makes a piece of every chunk with surface (impl/piece.h),
+// decides over all pieces which parts are too small to keep, and joins pieces to one mesh or one a tile.
+
 #include "tafoni/surface/polygonize.h"
 
 #include <algorithm>
@@ -35,7 +38,7 @@ struct Worker {
 /// Chunk columns [x0, x1) x [y0, y1).
 struct ColumnBox {
   int x0, x1, y0, y1;
-  std::int64_t count() const { return static_cast<std::int64_t>(x1 - x0) * (y1 - y0); }
+  std::int64_t count() const { return std::int64_t{x1 - x0} * (y1 - y0); }
 };
 
 class Job {
@@ -53,11 +56,11 @@ class Job {
   }
 
   bool empty() const { return cells_.empty() || first_.x > last_.x || first_.y > last_.y; }
-  std::uint64_t columns() const { return empty() ? 0 : static_cast<std::uint64_t>(whole().count()); }
+  std::uint64_t columns() const { return empty() ? 0 : whole().count(); }
   ColumnBox whole() const { return {first_.x, last_.x + 1, first_.y, last_.y + 1}; }
   ColumnBox tile(TileIndex t) const {
     const auto cut = [](int first, int last, int at, int tiles) {
-      return first + static_cast<int>((static_cast<std::int64_t>(last) + 1 - first) * at / tiles);
+      return first + static_cast<int>((std::int64_t{last} + 1 - first) * at / tiles);
     };
     return {
         cut(first_.x, last_.x, t.x, settings_.tiles_x), cut(first_.x, last_.x, t.x + 1, settings_.tiles_x),
@@ -96,12 +99,10 @@ class Job {
 void Job::skip_empty(const Box3d& bounds) {
   const double side = settings_.voxel * field::chunk_cells;
   const auto low = [&](int first, double lo) {
-    return static_cast<int>(
-        std::min(std::max(std::floor(lo / side) - 1, static_cast<double>(first)), 0x1p30));
+    return static_cast<int>(std::min(std::max<double>(std::floor(lo / side) - 1, first), 0x1p30));
   };
   const auto high = [&](int last, double hi) {
-    return static_cast<int>(
-        std::max(std::min(std::floor(hi / side) + 1, static_cast<double>(last)), -0x1p30));
+    return static_cast<int>(std::max(std::min<double>(std::floor(hi / side) + 1, last), -0x1p30));
   };
   first_ = {low(first_.x, bounds.lo.x), low(first_.y, bounds.lo.y), low(first_.z, bounds.lo.z)};
   last_ = {high(last_.x, bounds.hi.x), high(last_.y, bounds.hi.y), high(last_.z, bounds.hi.z)};
@@ -125,8 +126,7 @@ void Job::column(Worker& worker, int a, int b, std::vector<Piece>& out) {
   for (int c = std::max(range.first, first_.z); c <= std::min(range.last, last_.z); ++c) {
     if (!worker.source->evaluate(c, worker.samples)) continue;
     worker.stats.evaluated += worker.samples.evaluated;
-    for (auto bricks : worker.samples.active)
-      worker.stats.bricks += static_cast<std::uint64_t>(std::popcount(bricks));
+    for (auto bricks : worker.samples.active) worker.stats.bricks += std::popcount(bricks);
     Piece piece;
     if (!worker.maker.make(worker.samples, *worker.source, piece)) continue;
     worker.stats.chunks += 1;
@@ -139,13 +139,13 @@ void Job::column(Worker& worker, int a, int b, std::vector<Piece>& out) {
 
 std::vector<Piece> Job::pieces(const ColumnBox& box, bool normals, bool parts) {
   const int width = box.x1 - box.x0;
-  std::vector<std::vector<Piece>> columns(static_cast<std::size_t>(box.count()));
+  std::vector<std::vector<Piece>> columns(box.count());
   parallel_for(
       box.count(),
       [&](std::int64_t at) {
         auto worker = take(normals, parts);
         column(*worker, box.x0 + static_cast<int>(at % width), box.y0 + static_cast<int>(at / width),
-               columns[static_cast<std::size_t>(at)]);
+               columns[at]);
         const std::lock_guard lock(mutex_);
         workers_.push_back(std::move(worker));
       },

@@ -1,3 +1,6 @@
+// Shades the faces that PrismFaces finds: for the whole as one separated, 2-manifold mesh with colours, for
+// drawing by chunks whose vertices are numbered by level and surface.
+
 #include "tafoni/surface/prism_mesher.h"
 
 #include <algorithm>
@@ -6,6 +9,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/mesh/inner/size32.h"
 #include "tafoni/surface/impl/prism_faces.h"
 #include "tafoni/surface/impl/separate.h"
 
@@ -24,7 +28,7 @@ Vec3f unit_or_up(Vec3f n) {
   return l > 0 ? n * (1 / l) : Vec3f{0, 0, 1};
 }
 
-/// Of every level of the block's columns, relative to the frame's origin.
+/// Fills the positions of all levels of the block's columns, relative to the frame's origin.
 void place(const ColumnFrame& frame, const PrismFaces& faces, std::vector<Vec3f>& out) {
   const ColumnBox& box = faces.block().box;
   const std::span<const float> levels = faces.cells().levels();
@@ -33,10 +37,9 @@ void place(const ColumnFrame& frame, const PrismFaces& faces, std::vector<Vec3f>
   for (int j = box.j0; j <= box.j1; ++j)
     for (int i = box.i0; i <= box.i1; ++i) {
       const bool last = i == box.i1 && j == box.j1;
-      const std::size_t end =
-          last ? levels.size()
-               : static_cast<std::size_t>(i < box.i1 ? faces.cells().first_level(i + 1, j)
-                                                     : faces.cells().first_level(box.i0, j + 1));
+      const std::size_t end = last         ? levels.size()
+                              : i < box.i1 ? faces.cells().first_level(i + 1, j)
+                                           : faces.cells().first_level(box.i0, j + 1);
       const float x = static_cast<float>(i * frame.dx), y = static_cast<float>(j * frame.dy);
       for (; n < end; ++n) out[n] = {x, y, levels[n]};
     }
@@ -48,17 +51,17 @@ void mark_hidden(const std::vector<PrismFace>& faces, std::vector<std::array<std
                  std::vector<bool>& hidden) {
   walls.clear();
   hidden.assign(faces.size(), false);
-  for (std::size_t n = 0; n < faces.size(); ++n) {
+  for (std::int32_t n = 0; n < std::ssize(faces); ++n) {
     if (faces[n].surface != PrismSurface::middle) continue;
     std::array<std::int32_t, 3> level{faces[n].level[0], faces[n].level[1], faces[n].level[2]};
     std::sort(level.begin(), level.end());  // a level is of one column, so that three of them name a triangle
-    walls.push_back({level[0], level[1], level[2], static_cast<std::int32_t>(n)});
+    walls.push_back({level[0], level[1], level[2], n});
   }
   std::sort(walls.begin(), walls.end());
   for (std::size_t w = 1; w < walls.size(); ++w) {
     const auto &a = walls[w - 1], &b = walls[w];
     if (a[0] != b[0] || a[1] != b[1] || a[2] != b[2]) continue;
-    hidden[static_cast<std::size_t>(a[3])] = hidden[static_cast<std::size_t>(b[3])] = true;
+    hidden[a[3]] = hidden[b[3]] = true;
   }
 }
 
@@ -81,7 +84,7 @@ struct Workspace {
 };
 
 std::size_t vertex_key(const PrismFace& f, std::size_t k) {
-  return 3 * static_cast<std::size_t>(f.level[k]) + static_cast<std::size_t>(f.surface);
+  return std::size_t{3} * f.level[k] + static_cast<std::size_t>(f.surface);
 }
 
 /// Normals of all vertices, each summed in the order of the cells around it, whatever box they are in.
@@ -90,7 +93,7 @@ void add_normals(Workspace& work, const std::vector<PrismFace>& faces) {
   for (std::size_t at = 0; at < faces.size(); ++at) {
     if (work.hidden[at]) continue;
     const PrismFace& f = faces[at];
-    const auto corner = [&](std::size_t k) { return work.places[static_cast<std::size_t>(f.level[k])]; };
+    const auto corner = [&](std::size_t k) { return work.places[f.level[k]]; };
     const Vec3f a = corner(0), n = cross(corner(1) - a, corner(2) - a);
     const Sum area{{n.x, n.y, n.z, 0}};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -113,10 +116,10 @@ void emit_chunk(const ColumnBox& cells, const std::vector<PrismFace>& faces, Wor
       for (std::size_t k = 0; k < 3; ++k) {
         std::int32_t& id = work.ids[vertex_key(f, k)];
         if (id < 0) {
-          id = static_cast<std::int32_t>(work.keys.size());
+          id = mesh::inner::size32(work.keys);
           work.keys.push_back(vertex_key(f, k));
         }
-        triangle[k] = static_cast<std::uint32_t>(id);
+        triangle[k] = id;
       }
       out.triangles.push_back(triangle);
     }
@@ -153,12 +156,12 @@ Pieces collect(const PrismFields& fields, volume::DeadPoints dead) {
   constexpr int block = 64;
   const ColumnFrame& frame = fields.frame();
   const int wide = (frame.nx + block - 2) / block, high = (frame.ny + block - 2) / block;
-  std::vector<Pieces> parts(static_cast<std::size_t>(wide) * static_cast<std::size_t>(high));
-  parallel_for(static_cast<std::int64_t>(parts.size()), [&](std::int64_t n) {
+  std::vector<Pieces> parts(std::ptrdiff_t{wide} * high);
+  parallel_for(std::ssize(parts), [&](std::int64_t n) {
     const int i = static_cast<int>(n % wide) * block, j = static_cast<int>(n / wide) * block;
     const ColumnBox cells{i, j, std::min(i + block, frame.nx - 1) - 1, std::min(j + block, frame.ny - 1) - 1};
     PrismFaces faces;
-    Pieces& out = parts[static_cast<std::size_t>(n)];
+    Pieces& out = parts[n];
     const auto& all = faces.run(fields, cells, false, dead);
     std::vector<Vec3f> places;
     place(frame, faces, places);
@@ -169,11 +172,10 @@ Pieces collect(const PrismFields& fields, volume::DeadPoints dead) {
       for (std::size_t k = 0; k < 3; ++k) {
         const int ci = box.i0 + f.column[k] % box.width(), cj = box.j0 + f.column[k] / box.width();
         const std::int32_t level = f.level[k] - faces.cells().first_level(ci, cj);
-        triangle[k] = ((static_cast<Key>(cj) * static_cast<Key>(frame.nx) + static_cast<Key>(ci)) << 24) |
-                      static_cast<Key>(level);
-        if (placed[static_cast<std::size_t>(f.level[k])]) continue;
-        placed[static_cast<std::size_t>(f.level[k])] = true;
-        out.places.emplace_back(triangle[k], places[static_cast<std::size_t>(f.level[k])]);
+        triangle[k] = ((std::int64_t{cj} * frame.nx + ci) << 24) | level;
+        if (placed[f.level[k]]) continue;
+        placed[f.level[k]] = true;
+        out.places.emplace_back(triangle[k], places[f.level[k]]);
       }
       out.triangles.push_back(triangle);
       out.surfaces.push_back(static_cast<std::uint8_t>(f.surface));
@@ -268,7 +270,7 @@ struct PrismMesher::State {
   std::vector<Workspace> work;
   PrismChunkMesh nothing;
 
-  PrismChunkMesh& at(int a, int b) { return chunks[static_cast<std::size_t>(b) * wide + a]; }
+  PrismChunkMesh& at(int a, int b) { return chunks[std::ptrdiff_t{b} * wide + a]; }
   ChunkBox touched(const ColumnBox& changed) const;
   void make(const PrismFields& fields, const ChunkBox& group, Workspace& work);
 };
@@ -339,7 +341,7 @@ std::vector<ChunkChange> PrismMesher::update(const PrismFields& fields, const Co
   if (s.version == 0) {
     s.frame = frame;
     s.wide = (frame.nx + chunk_cells - 2) / chunk_cells, s.high = (frame.ny + chunk_cells - 2) / chunk_cells;
-    s.chunks.resize(static_cast<std::size_t>(s.wide) * s.high);
+    s.chunks.resize(std::ptrdiff_t{s.wide} * s.high);
     box = {0, 0, frame.nx - 1, frame.ny - 1};
   } else if (!(frame == s.frame)) {
     fail(ErrorKind::usage, "a prism mesher got another frame than before; use a new one");

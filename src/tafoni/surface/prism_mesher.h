@@ -43,7 +43,7 @@ struct PrismChunkMesh : ChunkMesh {
 };
 
 /// The mesh of a prism-field, kept up to date by chunks while it is dug. Chunk (a, b, 0) has the cells from
-/// (16 a, 16 b). Works on several threads; not for several at once.
+/// (16 a, 16 b). A mesher works on several threads, but is not for several at once.
 class PrismMesher {
  public:
   static constexpr int chunk_cells = 16;
@@ -59,7 +59,7 @@ class PrismMesher {
 
   int chunks_x() const;
   int chunks_y() const;
-  /// Empty where there is no surface. Valid until the next update().
+  /// The chunk's mesh; empty where there is no surface. Valid until the next update().
   const PrismChunkMesh& chunk(Vec3i chunk) const;
   /// Every chunk with triangles, sorted.
   std::vector<Vec3i> chunks() const;

@@ -11,8 +11,9 @@
 
 namespace tafoni::surface {
 
-/// One a thread. The contracts of field::ChunkEvaluator hold: samples are valid wherever an active brick
-/// needs them, an inactive brick holds no sign change, and all of it is bit-identical between sources.
+/// Each thread has its own source. The contracts of field::ChunkEvaluator hold: samples are valid wherever an
+/// active brick needs them, an inactive brick holds no sign change, and all of it is bit-identical between
+/// sources.
 class SampleSource {
  public:
   using Range = field::ChunkEvaluator::Range;
@@ -20,7 +21,7 @@ class SampleSource {
   virtual ~SampleSource() = default;
   virtual Range column(int a, int b) = 0;
   virtual bool evaluate(int c, field::ChunkSamples& out) = 0;
-  /// At local points within the chunk last evaluated.
+  /// Values and gradients at local points within the chunk last evaluated.
   virtual void gradients(std::span<const Vec3d> points, std::span<float> values,
                          std::span<Vec3f> gradients) = 0;
 };

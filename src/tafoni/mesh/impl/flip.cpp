@@ -1,3 +1,6 @@
+// Flips the longest edge of every triangle without area, by a table that says which triangle passes a
+// directed edge, until none is left or none can be mended.
+
 #include <algorithm>
 #include <unordered_map>
 
@@ -6,7 +9,10 @@
 namespace tafoni::mesh::impl {
 namespace {
 
+/// A triangle whose height is below this share of its longest side has no area to speak of in single
+/// precision.
 constexpr double flat = 1e-6;
+/// Each pass mends the next triangle along a straight border; borders of a patch are shorter than this.
 constexpr int most_passes = 1000;
 
 std::uint64_t directed(std::uint32_t a, std::uint32_t b) {

@@ -1,3 +1,6 @@
+// Cuts a mesh into patches by the columns of a horizontal grid, collapses the edges of each by meshoptimizer
+// in numbers of its own, and finds the vertices at which a collapse pinched the surface.
+
 #include "tafoni/mesh/impl/patches.h"
 
 #include <algorithm>
@@ -5,6 +8,8 @@
 #include <cmath>
 
 #include <meshoptimizer.h>
+
+#include "tafoni/mesh/inner/size32.h"
 
 namespace tafoni::mesh::impl {
 
@@ -20,7 +25,7 @@ class LocalNumbers {
     std::size_t at = static_cast<std::size_t>(global * 0x9e3779b1u) & mask;
     while (slots_[at].global != empty && slots_[at].global != global) at = (at + 1) & mask;
     if (slots_[at].global == empty) {
-      slots_[at] = {global, static_cast<std::uint32_t>(globals_.size())};
+      slots_[at] = {global, inner::size32(globals_)};
       globals_.push_back(global);
     }
     return slots_[at].local;
@@ -99,15 +104,15 @@ std::vector<Patch> cut(std::span<const Vec3f> positions, std::span<const Triangl
   Box3f box;
   for (const Triangle& t : triangles) box.expand(positions[t[0]]);
   const double count = std::max(1.0, static_cast<double>(triangles.size()) / static_cast<double>(wanted));
-  const double width = static_cast<double>(box.size().x), depth = static_cast<double>(box.size().y);
+  const double width = box.size().x, depth = box.size().y;
   const double side = std::max({std::sqrt(width * depth / count), width / 1000, depth / 1000, 1e-6});
   const auto columns = static_cast<std::size_t>(width / side + 2),
              rows = static_cast<std::size_t>(depth / side + 2);
   std::vector<Patch> patches(columns * rows);
   for (const Triangle& t : triangles) {
     const Vec3f p = positions[t[0]];
-    const auto column = static_cast<std::size_t>(static_cast<double>(p.x - box.lo.x) / side + shift);
-    const auto row = static_cast<std::size_t>(static_cast<double>(p.y - box.lo.y) / side + shift);
+    const auto column = static_cast<std::size_t>((p.x - box.lo.x) / side + shift);
+    const auto row = static_cast<std::size_t>((p.y - box.lo.y) / side + shift);
     patches[std::min(row, rows - 1) * columns + std::min(column, columns - 1)].given.push_back(t);
   }
   std::erase_if(patches, [](const Patch& p) { return p.given.empty(); });

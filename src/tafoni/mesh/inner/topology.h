@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -27,7 +28,7 @@ class Sets {
   explicit Sets(std::size_t n) { reset(n); }
   void reset(std::size_t n) {
     parents_.resize(n);
-    for (std::size_t v = 0; v < n; ++v) parents_[v] = static_cast<std::uint32_t>(v);
+    std::iota(parents_.begin(), parents_.end(), 0u);
   }
   std::uint32_t root(std::uint32_t v) {
     while (parents_[v] != v) v = parents_[v] = parents_[parents_[v]];
@@ -49,7 +50,7 @@ struct Incidence {
   std::vector<std::uint32_t> list;
 
   std::span<const std::uint32_t> at(std::size_t vertex) const {
-    return {list.data() + first[vertex], static_cast<std::size_t>(first[vertex + 1] - first[vertex])};
+    return {list.begin() + first[vertex], list.begin() + first[vertex + 1]};
   }
 };
 inline Incidence incidence(std::span<const Triangle> triangles, std::size_t vertices) {
@@ -60,8 +61,8 @@ inline Incidence incidence(std::span<const Triangle> triangles, std::size_t vert
   for (std::size_t v = 0; v < vertices; ++v) out.first[v + 1] += out.first[v];
   out.list.resize(out.first[vertices]);
   std::vector<std::uint64_t> next(out.first.begin(), out.first.end() - 1);
-  for (std::size_t i = 0; i < triangles.size(); ++i)
-    for (auto v : triangles[i]) out.list[next[v]++] = static_cast<std::uint32_t>(i);
+  for (std::uint32_t i = 0; i < triangles.size(); ++i)
+    for (auto v : triangles[i]) out.list[next[v]++] = i;
   return out;
 }
 
@@ -111,15 +112,15 @@ void for_each_edge(std::span<const Triangle> triangles, std::size_t vertices, co
   std::vector<std::uint64_t> halves(first[vertices]);
   std::vector<std::uint64_t> next(first.begin(), first.end() - 1);
   each([&](std::uint32_t low, std::uint64_t half) { halves[next[low]++] = half; });
-  for (std::size_t v = 0; v < vertices; ++v) {
-    const auto begin = halves.begin() + static_cast<std::ptrdiff_t>(first[v]);
-    const auto end = halves.begin() + static_cast<std::ptrdiff_t>(first[v + 1]);
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    const auto begin = halves.begin() + first[v];
+    const auto end = halves.begin() + first[v + 1];
     std::sort(begin, end);
     for (auto at = begin; at != end;) {
       const std::uint64_t high = *at >> 1;
       std::uint32_t uses[2] = {0, 0};
       for (; at != end && *at >> 1 == high; ++at) ++uses[*at & 1];
-      body(static_cast<std::uint32_t>(v), static_cast<std::uint32_t>(high), uses[0], uses[1]);
+      body(v, static_cast<std::uint32_t>(high), uses[0], uses[1]);
     }
   }
 }

@@ -5,9 +5,10 @@
 #include <functional>
 #include <memory>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/field/function.h"
 #include "tafoni/field/tree.h"
 #include "tafoni/mesh/convexity.h"
@@ -194,8 +195,14 @@ TEST(Measures, ACubeIsConvexAndItsHollowIsNot) {
 }
 
 TEST(Measures, CubesTooSmallForAMeshAreRefused) {
-  EXPECT_THROW(inside_cubes(plain_box({0, 0, 0}, {100, 100, 1}), 1e-3), Error);
-  EXPECT_THROW(inside_cubes(plain_box({0, 0, 0}, {100, 0.01, 100}), 1e-3), Error);
+  EXPECT_THAT(error_of([&] {
+                inside_cubes(plain_box({0, 0, 0}, {100, 100, 1}), 1e-3);
+              }),
+              ::testing::HasSubstr("cubes of 0.001 m are too small for the mesh"));
+  EXPECT_THAT(error_of([&] {
+                inside_cubes(plain_box({0, 0, 0}, {100, 0.01, 100}), 1e-3);
+              }),
+              ::testing::HasSubstr("cubes of 0.001 m are too small for the mesh"));
 }
 
 TEST(Measures, ANotchMakesOneConcaveEdge) {

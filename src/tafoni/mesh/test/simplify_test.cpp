@@ -6,9 +6,9 @@
 
 #include <gmock/gmock.h>
 
-#include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
 #include "tafoni/surface/dense_grid.h"
@@ -147,7 +147,8 @@ TEST(Simplify, NoErrorOrNoMeshChangesNothing) {
   EXPECT_EQ(same.positions, mesh.positions);
   EXPECT_EQ(same.triangles, mesh.triangles);
   EXPECT_TRUE(simplify({}, {.error = 1, .normals = {}}).triangles.empty());
-  EXPECT_THROW(simplify(mesh, {.error = -1, .normals = {}}), Error);
+  EXPECT_THAT(error_of([&] { simplify(mesh, {.error = -1, .normals = {}}); }),
+              ::testing::HasSubstr("an error of -1 m cannot be used to simplify"));
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include "tafoni/mesh/inner/size32.h"
+
 namespace tafoni::mesh {
 namespace {
 
@@ -22,7 +24,7 @@ Mesh tetrahedron(Vec3f at = {}) {
 }
 
 void append(Mesh& to, const Mesh& from) {
-  const auto first = static_cast<std::uint32_t>(to.positions.size());
+  const auto first = inner::size32(to.positions);
   to.positions.insert(to.positions.end(), from.positions.begin(), from.positions.end());
   to.normals.insert(to.normals.end(), from.normals.begin(), from.normals.end());
   for (auto t : from.triangles) to.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});

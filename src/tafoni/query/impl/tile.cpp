@@ -1,3 +1,6 @@
+// A cache in shards by hash, each with a list by last use and a lock of its own; tiles are made outside of
+// the lock.
+
 #include "tafoni/query/impl/tile.h"
 
 namespace tafoni::query::impl {

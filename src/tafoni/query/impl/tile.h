@@ -54,8 +54,8 @@ class TileCache {
  private:
   struct Hash {
     std::size_t operator()(Vec3i v) const {
-      const auto u = [](std::int32_t i) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(i)); };
-      return mix64(u(v.x) | u(v.y) << 32) ^ mix64(u(v.z) + 0x51ull);
+      const std::uint32_t x = v.x, y = v.y, z = v.z;
+      return mix64(x | std::uint64_t{y} << 32) ^ mix64(z + 0x51ull);
     }
   };
   struct Entry {

@@ -56,7 +56,7 @@ struct Stack {
       const int lane = __builtin_ctz(mask);
       int at = count++;
       for (; at > bottom && entries[at - 1].near < near[lane]; --at) entries[at] = entries[at - 1];
-      entries[at] = {near[lane], first + static_cast<std::uint32_t>(lane), level};
+      entries[at] = {near[lane], first + lane, level};
     }
   }
   Entry pop() { return entries[--count]; }
@@ -217,7 +217,7 @@ struct AlongSearch {
   PathFound found;
   void* context;
   float end = p.end;
-  double best = p.begin + p.scale * static_cast<double>(end);
+  double best = p.begin + p.scale * end;
 
   bool beyond(float near) const { return near > end; }
   unsigned boxes(const TriangleTree::Node& node, float* near) const { return meet_boxes(node, p, end, near); }
@@ -304,8 +304,7 @@ float slack_of(const Box3f& box, double reach) {
 
 void TriangleTree::along(const Path& path, PathFound found, void* context) const {
   if (empty()) return;
-  static const bool limited = (limit_simd(), true);
-  static_cast<void>(limited);
+  [[maybe_unused]] static const bool limited = (limit_simd(), true);
   Probe p{};
   const double from[3] = {path.from.x, path.from.y, path.from.z};
   const double delta[3] = {path.along.x, path.along.y, path.along.z};
@@ -315,7 +314,7 @@ void TriangleTree::along(const Path& path, PathFound found, void* context) const
   p.slack = slack_of(bounds_, path.radius + length(path.half));
   double begin = path.begin, end = path.end;
   for (int a = 0; a < 3; ++a) {
-    const double half = std::abs(axis[a]) + path.radius + static_cast<double>(p.slack);
+    const double half = std::abs(axis[a]) + path.radius + p.slack;
     const double near = lo[a] - half - from[a], far = hi[a] + half - from[a];
     if (delta[a] == 0) {
       if (near > 0 || far < 0) return;
@@ -343,9 +342,9 @@ void TriangleTree::along(const Path& path, PathFound found, void* context) const
 
 void TriangleTree::around(Vec3d at, double distance, AroundFound found, void* context) const {
   if (empty()) return;
-  static const bool limited = (limit_simd(), true);
-  static_cast<void>(limited);
-  Around p{{static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z)}, 0};
+  [[maybe_unused]] static const bool limited = (limit_simd(), true);
+  const Vec3f center = to_float(at);
+  Around p{{center.x, center.y, center.z}, 0};
   p.slack = slack_of(bounds_, std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)}));
   HWY_DYNAMIC_DISPATCH(around_kernel)(layout(), p, distance, found, context);
 }

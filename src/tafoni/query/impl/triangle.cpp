@@ -1,3 +1,6 @@
+// One triangle against a ray, a point, a segment and a moving capsule. The moving capsule is a moving point
+// against the triangle rounded and stretched along the capsule's axis.
+
 #include "tafoni/query/impl/triangle.h"
 
 #include <limits>
@@ -125,8 +128,8 @@ bool inside(const Triangle& t, Vec3d p, Vec3d normal) {
 
 /// Touching or overlap before the motion; a time above 1 for a shape that touches and does not come nearer.
 /// Distance to a convex shape is convex along a line: who does not come nearer now never will.
-std::optional<MovingHit> touched(const Triangle& t, Vec3d a, Vec3d b, double radius, Vec3d motion,
-                                 bool sphere) {
+std::optional<MovingHit> touch_at_start(const Triangle& t, Vec3d a, Vec3d b, double radius, Vec3d motion,
+                                        bool sphere) {
   Vec3d on_shape = a, on_triangle;
   if (sphere) {
     on_triangle = nearest_point(t, a);
@@ -213,7 +216,7 @@ std::optional<MovingHit> moving_hit(const Triangle& t, Vec3d a, Vec3d b, double 
     // The plane is met first; where that is inside the triangle, nothing else is met sooner.
     const Vec3d at = end + motion * time - normal * (side * radius);
     if (inside(t, at, n)) return MovingHit{time, at, normal * side};
-  } else if (const auto now = touched(t, a, b, radius, motion, sphere)) {
+  } else if (const auto now = touch_at_start(t, a, b, radius, motion, sphere)) {
     if (now->overlap || now->time <= most) return now;
     return {};
   }

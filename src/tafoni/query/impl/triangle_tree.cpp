@@ -1,7 +1,12 @@
+// Sorts triangles along a space-filling curve and packs them by eights; nodes are eight boxes each, built
+// level by level from below.
+
 #include "tafoni/query/impl/triangle_tree.h"
 
 #include <algorithm>
 #include <limits>
+
+#include "tafoni/mesh/inner/size32.h"
 
 namespace tafoni::query::impl {
 namespace {
@@ -24,14 +29,14 @@ std::vector<std::uint32_t> curve_order(std::span<const Vec3f> positions,
                                        const Box3f& bounds) {
   const Vec3f size = bounds.size();
   const float side = std::max({size.x, size.y, size.z, 1e-6f});
-  const double scale = 2097151.0 / (3.0 * static_cast<double>(side));
+  const double scale = 2097151.0 / (3.0 * side);
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(triangles.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const auto [a, b, c] = triangles[t];
     const Vec3d sum = to_double(positions[a] - bounds.lo) + to_double(positions[b] - bounds.lo) +
                       to_double(positions[c] - bounds.lo);
     const auto key = [&](double d) { return spread(static_cast<std::uint64_t>(std::max(d * scale, 0.0))); };
-    keys[t] = {key(sum.x) | key(sum.y) << 1 | key(sum.z) << 2, static_cast<std::uint32_t>(t)};
+    keys[t] = {key(sum.x) | key(sum.y) << 1 | key(sum.z) << 2, t};
   }
   std::sort(keys.begin(), keys.end());
   std::vector<std::uint32_t> order(triangles.size());
@@ -68,12 +73,12 @@ TriangleTree::TriangleTree(std::span<const Vec3f> positions,
     }
   }
   do {
-    first_.push_back(static_cast<std::uint32_t>(nodes_.size()));
+    first_.push_back(mesh::inner::size32(nodes_));
     std::vector<Box3f> above((boxes.size() + width - 1) / width);
     for (std::size_t n = 0; n < above.size(); ++n) {
       Node node;
       for (int lane = 0; lane < width; ++lane) {
-        const std::size_t child = n * width + static_cast<std::size_t>(lane);
+        const std::size_t child = n * width + lane;
         const Box3f none{{nowhere, nowhere, nowhere}, {nowhere, nowhere, nowhere}};
         set_box(node, lane, child < boxes.size() ? boxes[child] : none);
         if (child < boxes.size()) above[n].expand(boxes[child]);

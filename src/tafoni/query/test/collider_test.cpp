@@ -2,9 +2,10 @@
 
 #include <algorithm>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/query/impl/triangle.h"
 #include "tafoni/query/mesh_collider.h"
 #include "tafoni/query/test/meshes.h"
@@ -280,17 +281,47 @@ TEST(Collider, DegenerateQueriesAreErrorsOrHarmless) {
   const MeshCollider collider(box_mesh({-1, -1, -1}, {1, 1, 1}));
   const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
   for (double bad : {nan, inf}) {
-    EXPECT_THROW(collider.ray({bad, 0, 0}, {1, 0, 0}, 1), Error);
-    EXPECT_THROW(collider.ray({0, 0, 0}, {bad, 0, 0}, 1), Error);
-    EXPECT_THROW(collider.sweep(Sphere{{0, 0, 0}, bad}, {1, 0, 0}), Error);
-    EXPECT_THROW(collider.sweep(Sphere{{0, 0, 0}, 1}, {0, bad, 0}), Error);
-    EXPECT_THROW(collider.closest({0, 0, bad}, 1), Error);
-    EXPECT_THROW(collider.overlaps(Sphere{{0, bad, 0}, 1}), Error);
+    EXPECT_THAT(error_of([&] {
+                  collider.ray({bad, 0, 0}, {1, 0, 0}, 1);
+                }),
+                ::testing::HasSubstr("the ray's origin is not finite"));
+    EXPECT_THAT(error_of([&] {
+                  collider.ray({0, 0, 0}, {bad, 0, 0}, 1);
+                }),
+                ::testing::HasSubstr("the ray's direction is not finite"));
+    EXPECT_THAT(error_of([&] {
+                  collider.sweep(Sphere{{0, 0, 0}, bad}, {1, 0, 0});
+                }),
+                ::testing::HasSubstr("cannot collide: give one above 0"));
+    EXPECT_THAT(error_of([&] {
+                  collider.sweep(Sphere{{0, 0, 0}, 1}, {0, bad, 0});
+                }),
+                ::testing::HasSubstr("the motion is not finite"));
+    EXPECT_THAT(error_of([&] {
+                  collider.closest({0, 0, bad}, 1);
+                }),
+                ::testing::HasSubstr("the point is not finite"));
+    EXPECT_THAT(error_of([&] {
+                  collider.overlaps(Sphere{{0, bad, 0}, 1});
+                }),
+                ::testing::HasSubstr("the shape's position is not finite"));
   }
-  EXPECT_THROW(collider.ray({0, 0, 0}, {0, 0, 0}, 1), Error);
-  EXPECT_THROW(collider.ray({0, 0, 0}, {0, 0, 1}, nan), Error);
-  EXPECT_THROW(collider.closest({0, 0, 0}, -1), Error);
-  EXPECT_THROW(collider.sweep(Sphere{{0, 0, 0}, 0}, {1, 0, 0}), Error);
+  EXPECT_THAT(error_of([&] {
+                collider.ray({0, 0, 0}, {0, 0, 0}, 1);
+              }),
+              ::testing::HasSubstr("the ray has no direction"));
+  EXPECT_THAT(error_of([&] {
+                collider.ray({0, 0, 0}, {0, 0, 1}, nan);
+              }),
+              ::testing::HasSubstr("a distance of nan m cannot be searched"));
+  EXPECT_THAT(error_of([&] {
+                collider.closest({0, 0, 0}, -1);
+              }),
+              ::testing::HasSubstr("a distance of -1 m cannot be searched"));
+  EXPECT_THAT(error_of([&] {
+                collider.sweep(Sphere{{0, 0, 0}, 0}, {1, 0, 0});
+              }),
+              ::testing::HasSubstr("a radius of 0 m cannot collide"));
   EXPECT_TRUE(collider.ray({5, 0, 0}, {-1, 0, 0}, inf));
   EXPECT_FALSE(collider.sweep(Sphere{{5, 0, 0}, 1}, {0, 0, 0}));
   EXPECT_TRUE(collider.sweep(Sphere{{5, 0.1, 0.1}, 1}, {-1e12, 0, 0}));
@@ -302,7 +333,8 @@ TEST(Collider, DegenerateQueriesAreErrorsOrHarmless) {
   EXPECT_FALSE(nothing.sweep(Sphere{{0, 0, 0}, 1}, {0, 0, 1}));
   mesh::Mesh broken = box_mesh({0, 0, 0}, {1, 1, 1});
   broken.triangles[0][0] = 99;
-  EXPECT_THROW(MeshCollider{broken}, Error);
+  EXPECT_THAT(error_of([&] { MeshCollider{broken}; }),
+              ::testing::HasSubstr("a triangle names vertex 99 of 8"));
 }
 
 }  // namespace

@@ -2,9 +2,10 @@
 
 #include <thread>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/field/tree.h"
 #include "tafoni/query/mesh_collider.h"
 #include "tafoni/query/test/meshes.h"
@@ -190,9 +191,12 @@ TEST(FieldCollider, AnUpdatedFieldIsMetWhereItChanged) {
 
 TEST(FieldCollider, BadVoxelsAreErrors) {
   const field::CompiledField field = field::compile(hill(11));
-  EXPECT_THROW(FieldCollider(field, {.voxel = 0}), Error);
-  EXPECT_THROW(FieldCollider(field, {.voxel = std::nan("")}), Error);
-  EXPECT_THROW(FieldCollider(field, {.voxel = 1e-9}), Error);
+  EXPECT_THAT(error_of([&] { FieldCollider(field, {.voxel = 0}); }),
+              ::testing::HasSubstr("a voxel of 0 m cannot be used"));
+  EXPECT_THAT(error_of([&] { FieldCollider(field, {.voxel = std::nan("")}); }),
+              ::testing::HasSubstr("a voxel of nan m cannot be used"));
+  EXPECT_THAT(error_of([&] { FieldCollider(field, {.voxel = 1e-9}); }),
+              ::testing::HasSubstr("too large for a voxel of 1e-09 m"));
 }
 
 TEST(FieldCollider, ShapesFarLargerThanTheGroundAskOnlyTheGround) {

@@ -1,6 +1,8 @@
 #include "tafoni/query/grid_collider.h"
 
-#include "tafoni/core/error.h"
+#include <gmock/gmock.h>
+
+#include "tafoni/core/test/errors.h"
 #include "tafoni/query/mesh_collider.h"
 #include "tafoni/query/test/agreement.h"
 #include "tafoni/volume/edit.h"
@@ -42,7 +44,8 @@ TEST(GridCollider, AnEditIsMetWhereItIs) {
   collider.update(grid, {&changed, 1});
   testing::expect_agreement(collider, MeshCollider(mesh_of(grid)), grid.frame().box(), 800, 1e-12, 2);
   const volume::ScalarGrid other({{}, 1, {4, 4, 4}}, 1);
-  EXPECT_THROW(collider.update(other, {}), Error);
+  EXPECT_THAT(error_of([&] { collider.update(other, {}); }),
+              ::testing::HasSubstr("make a new one for another frame"));
 }
 
 }  // namespace

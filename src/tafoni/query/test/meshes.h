@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tafoni/core/random.h"
+#include "tafoni/mesh/inner/size32.h"
 #include "tafoni/mesh/mesh.h"
 
 namespace tafoni::query::testing {
@@ -29,7 +30,7 @@ inline mesh::Mesh sphere_mesh(Vec3d center, double radius, int levels) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
     const auto middle = [&](std::uint32_t a, std::uint32_t b) {
       const auto [it, fresh] =
-          middles.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<std::uint32_t>(points.size()));
+          middles.try_emplace({std::min(a, b), std::max(a, b)}, mesh::inner::size32(points));
       if (fresh) points.push_back(normalized(points[a] + points[b]));
       return it->second;
     };
@@ -47,7 +48,7 @@ inline mesh::Mesh sphere_mesh(Vec3d center, double radius, int levels) {
 }
 
 inline void append(mesh::Mesh& to, const mesh::Mesh& from) {
-  const auto first = static_cast<std::uint32_t>(to.positions.size());
+  const auto first = mesh::inner::size32(to.positions);
   to.positions.insert(to.positions.end(), from.positions.begin(), from.positions.end());
   for (const auto& t : from.triangles) to.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
 }
@@ -63,7 +64,7 @@ inline mesh::Mesh soup(int count, double size, std::uint64_t seed) {
   for (int i = 0; i < count; ++i) {
     const Vec3d at = random_point(random, size);
     const double extent = std::exp(random.uniform(-4, 1));
-    const auto first = static_cast<std::uint32_t>(m.positions.size());
+    const auto first = mesh::inner::size32(m.positions);
     for (int c = 0; c < 3; ++c) m.positions.push_back(to_float(at + random_point(random, extent)));
     m.triangles.push_back({first, first + 1, first + 2});
   }

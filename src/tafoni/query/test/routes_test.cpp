@@ -1,8 +1,9 @@
 #include "tafoni/query/routes.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/query/mesh_collider.h"
 #include "tafoni/query/test/meshes.h"
 #include "tafoni/query/walks.h"
@@ -70,7 +71,10 @@ TEST(Routes, AreEmptyWhereOneCannotStand) {
   const WalkerSettings walker;
   EXPECT_TRUE(Routes(ground, {&walker, 1}, {6.25, 1, 0.1}).places().empty());
   EXPECT_TRUE(Routes(ground, {&walker, 1}, {2, 2, 40}).places().empty());
-  EXPECT_THROW(Routes(ground, {&walker, 1}, {2, 2, 0.1}, {.spacing = 0}), Error);
+  EXPECT_THAT(error_of([&] {
+                Routes(ground, {&walker, 1}, {2, 2, 0.1}, {.spacing = 0});
+              }),
+              ::testing::HasSubstr("places need a spacing"));
 }
 
 TEST(Routes, StandingPlacesOfAColumnComeFromAbove) {
@@ -102,7 +106,8 @@ TEST(RandomWalks, AreCompletedAndTheSameEachTime) {
 
 TEST(RandomWalks, TellWhereThereIsNoPlaceToStand) {
   const MeshCollider ground(box_mesh({0, 0, 0}, {1, 1, 1}));
-  EXPECT_THROW(random_walks(ground, ground.bounds(), {}), Error);
+  EXPECT_THAT(error_of([&] { random_walks(ground, ground.bounds(), {}); }),
+              ::testing::HasSubstr("no place under rock was found"));
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
 #include "tafoni/query/walker.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/query/mesh_collider.h"
 #include "tafoni/query/test/meshes.h"
 
@@ -140,7 +141,7 @@ TEST(Walker, AClosingCleftHoldsItWithoutPressingItIn) {
   for (int side : {-1, 1}) {
     mesh::Mesh wall = box_mesh({0, 0, -0.5}, {20, 1, 5});
     for (Vec3f& p : wall.positions) {
-      const double y = side * (static_cast<double>(p.y) + 2 - 0.2 * static_cast<double>(p.x));
+      const double y = side * (p.y + 2.0 - 0.2 * p.x);
       p.y = static_cast<float>(y);
     }
     if (side < 0)
@@ -194,15 +195,20 @@ TEST(Walker, TheSameMovesGiveTheSameBits) {
 }
 
 TEST(Walker, BadSizesAndWishesAreErrors) {
-  EXPECT_THROW(Walker({.radius = 0}), Error);
-  EXPECT_THROW(Walker({.radius = 1, .height = 1}), Error);
-  EXPECT_THROW(Walker({.slope = 2}), Error);
-  EXPECT_THROW(Walker({.skin = 0}), Error);
+  EXPECT_THAT(error_of([&] { Walker({.radius = 0}); }), ::testing::HasSubstr("a walker of radius 0 m"));
+  EXPECT_THAT(error_of([&] { Walker({.radius = 1, .height = 1}); }), ::testing::HasSubstr("is no capsule"));
+  EXPECT_THAT(error_of([&] { Walker({.slope = 2}); }), ::testing::HasSubstr("a slope below 90 degrees"));
+  EXPECT_THAT(error_of([&] { Walker({.skin = 0}); }), ::testing::HasSubstr("a skin and fall"));
   const MeshCollider ground(floor_mesh());
   Walker walker({}, {0, 0, 1});
-  EXPECT_THROW(walker.move(ground, {std::nan(""), 0, 0}, dt), Error);
-  EXPECT_THROW(walker.move(ground, {}, -1), Error);
-  EXPECT_THROW(walker.move(ground, {}, std::nan("")), Error);
+  EXPECT_THAT(error_of([&] {
+                walker.move(ground, {std::nan(""), 0, 0}, dt);
+              }),
+              ::testing::HasSubstr("wish is not finite"));
+  EXPECT_THAT(error_of([&] { walker.move(ground, {}, -1); }),
+              ::testing::HasSubstr("a move of -1 s cannot be made"));
+  EXPECT_THAT(error_of([&] { walker.move(ground, {}, std::nan("")); }),
+              ::testing::HasSubstr("a move of nan s cannot be made"));
 }
 
 }  // namespace

@@ -43,6 +43,11 @@ class ByteWriter {
     bytes.resize(at + sizeof value);
     std::memcpy(bytes.data() + at, &value, sizeof value);
   }
+  /// How long a list is, in 4 bytes.
+  template <class List>
+  void put_count(const List& list) {
+    put(static_cast<std::uint32_t>(list.size()));
+  }
   std::vector<std::byte> bytes;
 };
 

@@ -22,8 +22,7 @@ class ChunkTable {
   explicit ChunkTable(Vec3i chunks) : chunks_(chunks) {
     const auto blocks = [](int n) { return (n + side - 1) / side; };
     blocks_ = {blocks(chunks.x), blocks(chunks.y), blocks(chunks.z)};
-    table_.resize(static_cast<std::size_t>(blocks_.x) * static_cast<std::size_t>(blocks_.y) *
-                  static_cast<std::size_t>(blocks_.z));
+    table_.resize(std::ptrdiff_t{blocks_.x} * blocks_.y * blocks_.z);
   }
 
   /// Null where there is no surface, and beyond the grid.
@@ -52,15 +51,10 @@ class ChunkTable {
   static constexpr int side = 4;
   using Block = std::array<ChunkEntryPtr, side * side * side>;
 
-  std::size_t block_of(Vec3i c) const {
-    return (static_cast<std::size_t>(c.z / side) * static_cast<std::size_t>(blocks_.y) +
-            static_cast<std::size_t>(c.y / side)) *
-               static_cast<std::size_t>(blocks_.x) +
-           static_cast<std::size_t>(c.x / side);
+  std::ptrdiff_t block_of(Vec3i c) const {
+    return (std::ptrdiff_t{c.z / side} * blocks_.y + c.y / side) * blocks_.x + c.x / side;
   }
-  static std::size_t place_of(Vec3i c) {
-    return static_cast<std::size_t>((c.z % side * side + c.y % side) * side + c.x % side);
-  }
+  static int place_of(Vec3i c) { return (c.z % side * side + c.y % side) * side + c.x % side; }
 
   Vec3i chunks_, blocks_;
   std::vector<std::shared_ptr<const Block>> table_;

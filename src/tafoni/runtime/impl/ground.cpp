@@ -1,3 +1,6 @@
+// Samples a built scene, or takes a grid as it is, after an estimate of what that will take: intervals and a
+// few samples tell which chunks hold surface.
+
 #include "tafoni/runtime/impl/ground.h"
 
 #include <algorithm>
@@ -9,6 +12,7 @@
 #include "tafoni/core/parallel.h"
 #include "tafoni/io/format.h"
 #include "tafoni/io/volume_file.h"
+#include "tafoni/scene/build/build.h"
 #include "tafoni/scene/products/mesh_scene.h"
 #include "tafoni/volume/sample.h"
 
@@ -70,7 +74,7 @@ double chunks_with_surface(const field::CompiledField& field, const GridFrame& f
   const Vec3i n{(frame.size.x - 1) / side + 1, (frame.size.y - 1) / side + 1, (frame.size.z - 1) / side + 1};
   std::atomic<std::int64_t> count{0};
   const std::int64_t all = std::int64_t{n.x} * n.y, columns = std::min<std::int64_t>(all, 1024);
-  progress.begin("size", static_cast<std::uint64_t>(columns), "columns");
+  progress.begin("size", columns, "columns");
   parallel_for(
       columns,
       [&](std::int64_t index) {

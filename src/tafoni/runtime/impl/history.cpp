@@ -1,3 +1,6 @@
+// Keeps edits as messages and a few grids of the past, which share what does not differ. An old version is
+// made from the nearest one that is kept, run by run where edits rewound.
+
 #include "tafoni/runtime/impl/history.h"
 
 #include <algorithm>
@@ -13,10 +16,12 @@ using volume::ScalarGrid;
 
 namespace {
 
+/// Edits between two grids that are kept: what a rewind makes again at most, while it is near.
 constexpr std::uint64_t keep_every = 64;
+/// The ground as opened and eight versions since, as DestructibleTerrainSettings::rewind promises.
 constexpr std::size_t most_kept = 9;
 
-SampleBox joined(const SampleBox& a, const SampleBox& b) {
+SampleBox box_around(const SampleBox& a, const SampleBox& b) {
   if (a.empty()) return b;
   return {{std::min(a.lo.x, b.lo.x), std::min(a.lo.y, b.lo.y), std::min(a.lo.z, b.lo.z)},
           {std::max(a.hi.x, b.hi.x), std::max(a.hi.y, b.hi.y), std::max(a.hi.z, b.hi.z)}};
@@ -30,7 +35,7 @@ Editor::Boxes boxes(const SampleBox& box) {
 
 void History::add(const Message& message, const std::vector<SampleBox>& changed) {
   SampleBox all;
-  for (const SampleBox& box : changed) all = joined(all, box);
+  for (const SampleBox& box : changed) all = box_around(all, box);
   changed_.push_back(all);
   edits_.push_back(message);
 }
@@ -57,7 +62,7 @@ void History::check_rewind(std::uint64_t to) const {
 }
 
 ScalarGrid History::grid_at(std::uint64_t to, Vec3d origin, double band) const {
-  // From the end back: runs of edits, (first, last] by version, each of which begins where a rewind led.
+  // Runs of edits, (first, last] by version, are collected from the end back; each begins where a rewind led.
   std::vector<std::pair<std::uint64_t, std::uint64_t>> runs;
   const ScalarGrid* start = nullptr;
   while (!start) {
@@ -67,7 +72,7 @@ ScalarGrid History::grid_at(std::uint64_t to, Vec3d origin, double band) const {
     std::uint64_t from = to;
     std::optional<std::uint64_t> led;
     for (; from > kept.first && !led; --from) {
-      const Operation operation = decode(edits_[static_cast<std::size_t>(from - 2)]);
+      const Operation operation = decode(edits_[from - 2]);
       if (const auto* rewind = std::get_if<Rewind>(&operation)) led = rewind->version;
     }
     runs.emplace_back(led ? from + 1 : from, to);
@@ -80,13 +85,13 @@ ScalarGrid History::grid_at(std::uint64_t to, Vec3d origin, double band) const {
   const Editor editor(grid, origin, band, *this);
   for (auto run = runs.rbegin(); run != runs.rend(); ++run)
     for (std::uint64_t v = run->first + 1; v <= run->second; ++v)
-      (void)std::visit(editor, decode(edits_[static_cast<std::size_t>(v - 2)]));
+      (void)std::visit(editor, decode(edits_[v - 2]));
   return grid;
 }
 
 std::vector<SampleBox> History::changed_since(std::uint64_t to) const {
   std::vector<SampleBox> out;
-  for (std::size_t i = static_cast<std::size_t>(to - 1); i < changed_.size(); ++i)
+  for (std::size_t i = to - 1; i < changed_.size(); ++i)
     if (!changed_[i].empty()) out.push_back(changed_[i]);
   return out;
 }
@@ -134,7 +139,7 @@ std::uint64_t work_of(const Operation& operation, const ScalarGrid& grid, Vec3d 
   }
   const Vec3<std::uint64_t> n = [&] {
     const Vec3i size = grid.samples_in({box.lo - origin, box.hi - origin}).size();
-    const auto count = [](int v) { return static_cast<std::uint64_t>(std::max(v, 0)); };
+    const auto count = [](int v) -> std::uint64_t { return std::max(v, 0); };
     return Vec3<std::uint64_t>{count(size.x), count(size.y), count(size.z)};
   }();
   return n.x * n.y * n.z * each;

@@ -1,3 +1,5 @@
+// A sum of one hash a chunk of samples, so that only the chunks that edits touched are hashed again.
+
 #include "tafoni/runtime/impl/state_hash.h"
 
 #include <algorithm>
@@ -21,8 +23,7 @@ std::uint64_t hash_of(const volume::ScalarGrid& grid, Vec3i chunk, std::size_t i
   float first = 0;
   std::uint64_t hash = 0;
   if (!grid.uniform(chunk, &first)) {
-    std::vector<float> values(static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) *
-                              static_cast<std::size_t>(n.z));
+    std::vector<float> values(n.x * n.y * n.z);
     grid.read(box, values.data());
     first = values[0];
     const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v); };
@@ -36,8 +37,7 @@ std::uint64_t hash_of(const volume::ScalarGrid& grid, Vec3i chunk, std::size_t i
 }  // namespace
 
 StateHash::StateHash(const volume::ScalarGrid& grid) : chunks_(grid.chunks()) {
-  hashes_.resize(static_cast<std::size_t>(chunks_.x) * static_cast<std::size_t>(chunks_.y) *
-                 static_cast<std::size_t>(chunks_.z));
+  hashes_.resize(std::int64_t{chunks_.x} * chunks_.y * chunks_.z);
   stale_.resize(hashes_.size());
   touch(grid.samples());
 }
@@ -47,8 +47,7 @@ void StateHash::touch(const volume::SampleBox& box) {
   for (int c = box.lo.z / side; c <= box.hi.z / side; ++c)
     for (int b = box.lo.y / side; b <= box.hi.y / side; ++b)
       for (int a = box.lo.x / side; a <= box.hi.x / side; ++a) {
-        const auto index =
-            static_cast<std::size_t>((static_cast<std::int64_t>(c) * chunks_.y + b) * chunks_.x + a);
+        const std::int64_t index = (std::int64_t{c} * chunks_.y + b) * chunks_.x + a;
         if (stale_[index]) continue;
         stale_[index] = true;
         list_.push_back(index);
@@ -57,9 +56,9 @@ void StateHash::touch(const volume::SampleBox& box) {
 
 std::uint64_t StateHash::of(const volume::ScalarGrid& grid) {
   std::vector<std::uint64_t> now(list_.size());
-  parallel_blocks(static_cast<std::int64_t>(list_.size()), 16, [&](std::int64_t begin, std::int64_t end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-      const auto index = static_cast<std::int64_t>(list_[i]);
+  parallel_blocks(std::ssize(list_), 16, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      const std::int64_t index = list_[i];
       now[i] = hash_of(grid,
                        {static_cast<int>(index % chunks_.x), static_cast<int>(index / chunks_.x % chunks_.y),
                         static_cast<int>(index / chunks_.x / chunks_.y)},

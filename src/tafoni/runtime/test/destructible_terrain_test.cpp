@@ -10,10 +10,12 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/core/test/test_folder.h"
 #include "tafoni/io/volume_file.h"
 #include "tafoni/runtime/test/operations.h"
 #include "tafoni/runtime/test/rocks.h"
+#include "tafoni/scene/build/build.h"
 
 namespace tafoni::runtime {
 namespace {
@@ -195,14 +197,17 @@ TEST(DestructibleTerrain, RefusedEditsChangeNothing) {
   const SnapshotPtr before = terrain.snapshot();
   const auto state = terrain.state();
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(terrain.explode({nan, 0, 0}, 1, 1), Error);
-  EXPECT_THROW(terrain.explode({0, 0, 0}, -1, 1), Error);
+  EXPECT_THAT(error_of([&] {
+                terrain.explode({nan, 0, 0}, 1, 1);
+              }),
+              HasSubstr("a finite centre and a radius above 0"));
+  EXPECT_THAT(error_of([&] { terrain.explode({0, 0, 0}, -1, 1); }), HasSubstr("a radius above 0, not -1"));
   std::vector<Message> messages{encode(Explosion{{0, 0, 0}, 4, 5}), Message(7)};
-  EXPECT_THROW(terrain.apply(messages), Error);
+  EXPECT_THAT(error_of([&] { terrain.apply(messages); }), HasSubstr("a message of 7 bytes is no edit"));
   Progress cancelled;
   cancelled.cancel();
   messages.pop_back();
-  EXPECT_THROW(terrain.apply(messages, cancelled), Error);
+  EXPECT_THAT(error_of([&] { terrain.apply(messages, cancelled); }), HasSubstr("cancelled"));
   EXPECT_EQ(terrain.snapshot(), before);
   EXPECT_EQ(terrain.state(), state);
   terrain.apply(messages);
@@ -260,8 +265,7 @@ TEST(DestructibleTerrain, NoEditLeavesValuesThatAreNotNumbers) {
   const SnapshotPtr now = terrain.snapshot();
   const volume::SampleBox all = now->grid().samples();
   const Vec3i n = all.size();
-  std::vector<float> values(static_cast<std::size_t>(n.x) * static_cast<std::size_t>(n.y) *
-                            static_cast<std::size_t>(n.z));
+  std::vector<float> values(static_cast<std::size_t>(n.x) * n.y * n.z);
   now->grid().read(all, values.data());
   EXPECT_TRUE(std::all_of(values.begin(), values.end(), [](float v) { return std::abs(v) <= 2; }));
 }
@@ -300,10 +304,11 @@ TEST(DestructibleTerrain, RewindsToAnyVersion) {
   EXPECT_EQ(late.state(), terrain.state());
   EXPECT_THAT(differing(*late.snapshot(), *terrain.snapshot()), ElementsAre());
 
-  EXPECT_THROW(terrain.rewind(0), Error);
-  EXPECT_THROW(terrain.rewind(terrain.version() + 1), Error);
+  EXPECT_THAT(error_of([&] { terrain.rewind(0); }), HasSubstr("none rewinds to 0"));
+  EXPECT_THAT(error_of([&] { terrain.rewind(terrain.version() + 1); }),
+              HasSubstr("cannot be rewound to version"));
   DestructibleTerrain forgetful = hills({});
-  EXPECT_THROW(forgetful.rewind(1), Error);
+  EXPECT_THAT(error_of([&] { forgetful.rewind(1); }), HasSubstr("does not keep its past"));
   EXPECT_EQ(forgetful.version(), 1u);
 }
 
@@ -323,7 +328,7 @@ TEST(DestructibleTerrain, RewindsAfterEditsThatWereNotMade) {
   std::vector<Message> refused;
   for (std::uint64_t i = 500; i < 700; ++i) refused.push_back(encode(random_operation(i, box, 3)));
   refused.push_back(encode(Rewind{5000}));
-  EXPECT_THROW(terrain.apply(refused), Error);
+  EXPECT_THAT(error_of([&] { terrain.apply(refused); }), HasSubstr("cannot be rewound to version 5000"));
   dig(1000);
   for (const std::uint64_t to : {70u, 130u, 161u}) {
     terrain.rewind(to);
@@ -364,7 +369,8 @@ TEST(DestructibleTerrain, OpensScenesAndVolumes) {
     EXPECT_THAT(error.what(), HasSubstr("GB"));
   }
   settings.voxel = -1;
-  EXPECT_THROW(DestructibleTerrain::open(root / "a.toml", settings), Error);
+  EXPECT_THAT(error_of([&] { DestructibleTerrain::open(root / "a.toml", settings); }),
+              HasSubstr("lengths in metres, 0 or more, not -1"));
 }
 
 }  // namespace

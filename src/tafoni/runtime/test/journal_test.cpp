@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/core/test/test_folder.h"
 #include "tafoni/runtime/test/operations.h"
 
@@ -130,12 +131,15 @@ TEST_F(EditJournal, WhatCouldNotBeCutOffIsNeverAppendedTo) {
     rlimit limit = old_limit;
     limit.rlim_cur = start.size() + 20;
     ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
-    EXPECT_THROW(writer.append({&all[1], 1}), Error);
+    EXPECT_THAT(error_of([&] {
+                  writer.append({&all[1], 1});
+                }),
+                ::testing::HasSubstr("the edit was not made"));
     ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &old_limit), 0);
     std::signal(SIGXFSZ, old_handler);
     ASSERT_EQ(bytes().size(), start.size() + 20) << "the file was to keep a torn edit";
     // There is room again, but behind a torn edit nothing would ever be read.
-    EXPECT_THROW(writer.append({&all[2], 1}), Error);
+    EXPECT_THAT(error_of([&] { writer.append({&all[2], 1}); }), ::testing::HasSubstr("cannot be cut off"));
     EXPECT_EQ(bytes().size(), start.size() + 20);
   }
   const JournalContents contents = read_journal(file);
@@ -153,19 +157,22 @@ TEST_F(EditJournal, RecordsCannotBeMovedOrMixed) {
   write_journal(file, base + 1, {});
   const std::string other_head = bytes();
   set_bytes(one.substr(0, 32) + one.substr(first));  // edit 1 is lost
-  EXPECT_THROW(read_journal(file), Error);
+  EXPECT_THAT(error_of([&] { read_journal(file); }), ::testing::HasSubstr("edit 1 is damaged"));
   set_bytes(other_head + one.substr(32));
-  EXPECT_THROW(read_journal(file), Error);
+  EXPECT_THAT(error_of([&] { read_journal(file); }), ::testing::HasSubstr("edit 1 is damaged"));
 }
 
 TEST_F(EditJournal, OtherFilesAreRefused) {
-  EXPECT_THROW(read_journal(file), Error);
+  EXPECT_THAT(error_of([&] { read_journal(file); }), ::testing::HasSubstr("cannot be read; check the path"));
   for (const std::string& text : {std::string(), std::string("not a journal, but a text of some length")}) {
     set_bytes(text);
-    EXPECT_THROW(read_journal(file), Error);
+    EXPECT_THAT(error_of([&] { read_journal(file); }),
+                ::testing::HasSubstr("is no journal of a terrain's edits"));
   }
-  EXPECT_THROW(JournalWriter(root / "none" / "b.edits", {}), Error);
-  EXPECT_THROW(write_journal(root / "none" / "b.edits", base, {}), Error);
+  EXPECT_THAT(error_of([&] { JournalWriter(root / "none" / "b.edits", {}); }),
+              ::testing::HasSubstr("cannot append to"));
+  EXPECT_THAT(error_of([&] { write_journal(root / "none" / "b.edits", base, {}); }),
+              ::testing::HasSubstr("cannot write"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/runtime/test/operations.h"
 
 namespace tafoni::runtime {
@@ -52,10 +53,10 @@ TEST(Operation, BytesFromStrangersAreChecked) {
     }
   }
   EXPECT_GT(refused, 2000);
-  EXPECT_THROW(decode({}), Error);
+  EXPECT_THAT(error_of([&] { decode({}); }), ::testing::HasSubstr("a message of 0 bytes is no edit"));
   Message long_one = encode(Explosion{{0, 0, 0}, 1, 1});
   long_one.push_back(std::byte{0});
-  EXPECT_THROW(decode(long_one), Error);
+  EXPECT_THAT(error_of([&] { decode(long_one); }), ::testing::HasSubstr("its length is wrong"));
 }
 
 /// Corners of a hull: points of a ball, all on the surface.
@@ -75,7 +76,8 @@ TEST(Operation, HullsOfMoreCornersThanAMessageTakesAreRefusedBeforeTheyAreMade) 
   };
   const Message message = encode(hull(256));
   EXPECT_EQ(encode(decode(message)), message);
-  EXPECT_THROW(encode(hull(257)), Error);
+  EXPECT_THAT(error_of([&] { encode(hull(257)); }),
+              ::testing::HasSubstr("a hull of 257 corners is too large"));
 
   Message large = message;  // of one corner more than it may have
   const std::uint32_t count = 257;
@@ -92,12 +94,27 @@ TEST(Operation, HullsOfMoreCornersThanAMessageTakesAreRefusedBeforeTheyAreMade) 
 
 TEST(Operation, WhatMakesNoEditIsRefused) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(encode(Explosion{{0, 0, nan}, 1, 1}), Error);
-  EXPECT_THROW(encode(Explosion{{0, 0, 0}, 0, 1}), Error);
-  EXPECT_THROW(encode(Explosion{{0, 0, 0}, 1, nan}), Error);
-  EXPECT_THROW(encode(Rewind{0}), Error);
-  EXPECT_THROW(encode(Radial{{0, 0, 0}, 1, {1}}), Error);
-  EXPECT_THROW(encode(Radial{{0, 0, 0}, 1, {1, nan}}), Error);
+  EXPECT_THAT(error_of([&] {
+                encode(Explosion{{0, 0, nan}, 1, 1});
+              }),
+              ::testing::HasSubstr("a finite centre"));
+  EXPECT_THAT(error_of([&] {
+                encode(Explosion{{0, 0, 0}, 0, 1});
+              }),
+              ::testing::HasSubstr("a radius above 0, not 0"));
+  EXPECT_THAT(error_of([&] {
+                encode(Explosion{{0, 0, 0}, 1, nan});
+              }),
+              ::testing::HasSubstr("the energy of an explosion is not finite"));
+  EXPECT_THAT(error_of([&] { encode(Rewind{0}); }), ::testing::HasSubstr("none rewinds to 0"));
+  EXPECT_THAT(error_of([&] {
+                encode(Radial{{0, 0, 0}, 1, {1}});
+              }),
+              ::testing::HasSubstr("takes 2 to 4096 values, not 1"));
+  EXPECT_THAT(error_of([&] {
+                encode(Radial{{0, 0, 0}, 1, {1, nan}});
+              }),
+              ::testing::HasSubstr("a value of a radial edit is not finite"));
 }
 
 }  // namespace

@@ -1,3 +1,6 @@
+// Joins pieces to one mesh: each vertex on a border belongs to the first piece that has it, every piece
+// counts its own, sums of counts give the numbers, and vertices and triangles are copied in their order.
+
 #include <algorithm>
 #include <chrono>
 #include <limits>
@@ -27,12 +30,12 @@ using PieceIndex = std::unordered_map<Vec3i, std::uint32_t, ChunkHash>;
 void find_face_repeats(const std::vector<Piece>& pieces, const PieceIndex& index, const Piece& piece,
                        std::vector<Repeat>& out) {
   for (int axis = 0; axis < 3; ++axis) {
-    const auto& low = piece.faces[static_cast<std::size_t>(2 * axis)];
+    const auto& low = piece.faces[2 * axis];
     Vec3i chunk = piece.chunk;
     (axis == 0 ? chunk.x : axis == 1 ? chunk.y : chunk.z) -= 1;
     const auto found = index.find(chunk);
     if (low.empty() || found == index.end()) continue;
-    const auto& high = pieces[found->second].faces[static_cast<std::size_t>(2 * axis + 1)];
+    const auto& high = pieces[found->second].faces[2 * axis + 1];
     std::size_t at = 0;
     for (const BorderVertex& v : low) {
       while (at < high.size() && high[at].place < v.place) ++at;
@@ -137,8 +140,7 @@ void gather_vertices(const std::vector<Piece>& pieces, Numbering& numbering, std
       }
       const std::size_t begin = v;
       while (v < values.size() && numbering.own(p, number[v])) ++v;
-      out.insert(out.end(), values.begin() + static_cast<std::ptrdiff_t>(begin),
-                 values.begin() + static_cast<std::ptrdiff_t>(v));
+      out.insert(out.end(), values.begin() + begin, values.begin() + v);
     }
   }
 }
@@ -155,10 +157,8 @@ void gather_triangles(const std::vector<Piece>& pieces, std::vector<std::array<s
 mesh::Mesh assemble(std::vector<Piece>& pieces, const Connectivity* connectivity, double* stitch_seconds,
                     double* gather_seconds) {
   const double start = now();
-  const auto count = static_cast<std::int64_t>(pieces.size());
-  const auto each = [&](const auto& body) {
-    parallel_for(count, [&](std::int64_t p) { body(static_cast<std::size_t>(p)); });
-  };
+  const std::int64_t count = pieces.size();
+  const auto each = [&](const auto& body) { parallel_for(count, [&](std::int64_t p) { body(p); }); };
   PieceIndex index;
   for (std::uint32_t p = 0; p < pieces.size(); ++p) index.emplace(pieces[p].chunk, p);
   std::vector<std::vector<Repeat>> repeats(pieces.size());

@@ -1,3 +1,6 @@
+// What the core does to a plane of samples: reads signs where a cell around is looked at, finds the edges
+// that carry a vertex by comparing words of bits, and lists them in the order of their vertices.
+
 #include "tafoni/surface/impl/block.h"
 
 #include <bit>
@@ -11,7 +14,7 @@ void BlockWalker::read_signs(const float* plane, std::ptrdiff_t row_step, const 
     for (int w = 0; w < words_; ++w)
       around |= below.at(j - 1, w, ny_, words_) | below.at(j, w, ny_, words_) |
                 above.at(j - 1, w, ny_, words_) | above.at(j, w, ny_, words_);
-    out.used[static_cast<std::size_t>(j)] = around != 0;
+    out.used[j] = around != 0;
     if (!around) continue;
     if (known)
       std::copy_n(known + j * words_, words_, bits_.begin());
@@ -19,16 +22,15 @@ void BlockWalker::read_signs(const float* plane, std::ptrdiff_t row_step, const 
       signs(plane + j * row_step, nx_, 1, bits_.data());
     RowWord* row = out.words.data() + j * words_;
     for (int w = 0; w < words_; ++w) {
-      const auto at = static_cast<std::size_t>(w);
-      row[w].solid = bits_[at];
-      row[w].next = (bits_[at] >> 1) | (bits_[at + 1] << 63);
+      row[w].solid = bits_[w];
+      row[w].next = (bits_[w] >> 1) | (bits_[w + 1] << 63);
     }
   }
 }
 
 void BlockWalker::find_edges(Layer below, Layer above, PlaneRows& plane, const PlaneRows& next_plane) {
   for (int j = 0; j < ny_; ++j) {
-    if (!plane.used[static_cast<std::size_t>(j)]) continue;
+    if (!plane.used[j]) continue;
     RowWord* row = plane.words.data() + j * words_;
     // The last row has no row beyond it, and no cells along it either.
     const RowWord* beyond = row + (j + 1 < ny_ ? words_ : 0);
@@ -56,15 +58,15 @@ void BlockWalker::list_edges(PlaneRows& plane) {
   const auto list = [&](std::uint64_t bits, std::uint32_t& base, EdgeKey first) {
     base = count_;
     EdgeKey* out = keys.end();
-    for (; bits; bits &= bits - 1) *out++ = first + static_cast<EdgeKey>(std::countr_zero(bits));
-    const auto n = static_cast<std::size_t>(out - keys.end());
+    for (; bits; bits &= bits - 1) *out++ = first + std::countr_zero(bits);
+    const int n = static_cast<int>(out - keys.end());
     keys.commit(n);
-    count_ += static_cast<std::uint32_t>(n);
+    count_ += n;
   };
   for (int j = 0; j < ny_; ++j) {
-    if (!plane.used[static_cast<std::size_t>(j)]) continue;
+    if (!plane.used[j]) continue;
     RowWord* row = plane.words.data() + j * words_;
-    keys.reserve_extra(3 * 64 * static_cast<std::size_t>(words_) + kernel_slack);
+    keys.reserve_extra(3 * 64 * words_ + kernel_slack);
     for (int w = 0; w < words_; ++w) list(row[w].x, row[w].x_base, edge_key(64 * w, j, 0));
     for (int w = 0; w < words_; ++w) list(row[w].y, row[w].y_base, edge_key(64 * w, j, 1));
     for (int w = 0; w < words_; ++w) list(row[w].z, row[w].z_base, edge_key(64 * w, j, 2));

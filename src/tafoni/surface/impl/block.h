@@ -70,15 +70,15 @@ void BlockWalker::walk(const float* f, int nx, int ny, int nz, std::ptrdiff_t ro
   nx_ = nx, ny_ = ny, words_ = (nx + 63) / 64;
   count_ = 0, cut_ = 0;
   for (PlaneRows& plane : planes_) {
-    plane.words.resize(static_cast<std::size_t>(ny) * static_cast<std::size_t>(words_));
-    plane.used.resize(static_cast<std::size_t>(ny));
+    plane.words.resize(std::ptrdiff_t{ny} * words_);
+    plane.used.resize(ny);
   }
-  bits_.assign(static_cast<std::size_t>(words_) + 1, 0);
+  bits_.assign(words_ + 1, 0);
   const auto layer = [&](int k) { return Layer{cells.layer(k) ? cells.rows(k) : nullptr}; };
   const auto plane = [&](int k) -> PlaneRows& { return planes_[k % 3]; };
-  const std::size_t most = 15 * 64 * static_cast<std::size_t>(ny) * static_cast<std::size_t>(words_);
+  const std::size_t most = std::size_t{15 * 64} * ny * words_;
   const auto read = [&](int k) {
-    const std::uint64_t* known = signs ? signs + static_cast<std::ptrdiff_t>(k) * ny * words_ : nullptr;
+    const std::uint64_t* known = signs ? signs + std::ptrdiff_t{k} * ny * words_ : nullptr;
     read_signs(f + k * plane_step, row_step, known, layer(k - 1), layer(k), plane(k));
   };
   for (int k = 0; k < nz; ++k) {

@@ -1,3 +1,7 @@
+// Makes the case table at compile time: walks the faces of the cell, on each of which a segment cuts off
+// every run of solid corners, joins the segments to loops, and triangulates each loop with the shortest
+// diagonals that lie in no face.
+
 #include "tafoni/surface/impl/cases.h"
 
 #include <limits>
@@ -49,16 +53,14 @@ constexpr std::array<int, 12> successors(int solid) {
   for (int axis = 0; axis < 3; ++axis)
     for (int side = 0; side < 2; ++side) {
       const auto ring = ring_of(axis, side);
-      const auto is_solid = [&](int at) { return (solid >> ring[static_cast<std::size_t>(at & 3)]) & 1; };
-      const auto edge_at = [&](int at) {
-        return edge_of(ring[static_cast<std::size_t>(at & 3)], ring[static_cast<std::size_t>((at + 1) & 3)]);
-      };
+      const auto is_solid = [&](int at) { return (solid >> ring[at & 3]) & 1; };
+      const auto edge_at = [&](int at) { return edge_of(ring[at & 3], ring[(at + 1) & 3]); };
       // Every run of solid corners along the ring is cut off by one segment.
       for (int first = 0; first < 4; ++first) {
         if (!is_solid(first) || is_solid(first + 3)) continue;
         int last = first;
         while (is_solid(last + 1)) ++last;
-        next[static_cast<std::size_t>(edge_at(first + 3))] = edge_at(last);
+        next[edge_at(first + 3)] = edge_at(last);
       }
     }
   return next;
@@ -69,17 +71,16 @@ constexpr int never = std::numeric_limits<int>::max() / 4;
 /// Triangulates a loop with the shortest diagonals, none within a face of the cell, by dynamic programming.
 struct Triangulation {
   std::span<const int> loop;
+  int n = 0;  ///< edges of the loop
   int cost[8][8] = {};
   int apex[8][8] = {};
 
   constexpr int diagonal(int a, int b) const {
-    const int n = static_cast<int>(loop.size());
     if (b - a < 2 || (a == 0 && b == n - 1)) return 0;
-    const int p = loop[static_cast<std::size_t>(a)], q = loop[static_cast<std::size_t>(b)];
+    const int p = loop[a], q = loop[b];
     return share_face(p, q) ? never : squared_distance(p, q);
   }
   constexpr void solve() {
-    const int n = static_cast<int>(loop.size());
     for (int width = 2; width < n; ++width)
       for (int a = 0; a + width < n; ++a) {
         const int b = a + width;
@@ -95,8 +96,7 @@ struct Triangulation {
     const int m = apex[a][b];
     const int corners[3] = {a, m, b};
     for (std::size_t c = 0; c < 3; ++c)
-      out.edges[3u * out.triangles + c] =
-          static_cast<std::uint8_t>(loop[static_cast<std::size_t>(corners[c])]);
+      out.edges[3u * out.triangles + c] = static_cast<std::uint8_t>(loop[corners[c]]);
     ++out.triangles;
     emit(a, m, out);
     emit(m, b, out);
@@ -108,24 +108,24 @@ constexpr CellCase make_case(int solid) {
   auto next = successors(solid);
   for (int start = 0; start < 12; ++start) {
     std::array<int, 7> loop{};
-    std::size_t n = 0;
-    for (int e = start; next[static_cast<std::size_t>(e)] >= 0;) {
+    int n = 0;
+    for (int e = start; next[e] >= 0;) {
       loop[n++] = e;
-      const int following = next[static_cast<std::size_t>(e)];
-      next[static_cast<std::size_t>(e)] = -1;
+      const int following = next[e];
+      next[e] = -1;
       e = following;
     }
     if (n == 0) continue;
-    Triangulation t{std::span(loop.data(), n)};
+    Triangulation t{{loop.data(), loop.data() + n}, n};
     t.solve();
-    t.emit(0, static_cast<int>(n) - 1, out);
+    t.emit(0, n - 1, out);
   }
   return out;
 }
 
 constexpr CaseTable make_table() {
   CaseTable table;
-  for (int solid = 0; solid < 256; ++solid) table[static_cast<std::size_t>(solid)] = make_case(solid);
+  for (int solid = 0; solid < 256; ++solid) table[solid] = make_case(solid);
   return table;
 }
 

@@ -1,7 +1,12 @@
+// Disjoint sets over the parts of pieces. A piece is joined with those beside it as it comes, by the lists of
+// vertices on their common face and by a table of vertices along chunk edges.
+
 #include "tafoni/surface/impl/connect.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "tafoni/mesh/inner/size32.h"
 
 namespace tafoni::surface::impl {
 
@@ -19,14 +24,14 @@ void Connectivity::join(std::uint32_t a, std::uint32_t b) {
 }
 
 void Connectivity::add(const Piece& piece) {
-  const auto first = static_cast<std::uint32_t>(parts_.size());
+  const auto first = mesh::inner::size32(parts_);
   first_part_.emplace(piece.chunk, first);
   for (const Part& part : piece.parts) {
-    parents_.push_back(static_cast<std::uint32_t>(parts_.size()));
+    parents_.push_back(mesh::inner::size32(parts_));
     parts_.push_back(part);
   }
   for (int axis = 0; axis < 3; ++axis) {
-    const auto& low = piece.faces[static_cast<std::size_t>(2 * axis)];
+    const auto& low = piece.faces[2 * axis];
     Vec3i neighbour = piece.chunk;
     (axis == 0 ? neighbour.x : axis == 1 ? neighbour.y : neighbour.z) -= 1;
     const auto found = high_faces_[axis].find(neighbour);
@@ -40,7 +45,7 @@ void Connectivity::add(const Piece& piece) {
       }
       high_faces_[axis].erase(found);
     }
-    const auto& high = piece.faces[static_cast<std::size_t>(2 * axis + 1)];
+    const auto& high = piece.faces[2 * axis + 1];
     if (high.empty()) continue;
     Face face;
     for (const BorderVertex& v : high) {

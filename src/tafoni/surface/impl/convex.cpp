@@ -1,9 +1,14 @@
+// Makes a table, once: for every case of the marching cubes all ways to merge its triangles across diagonals,
+// and the outlines that result. A voxel then looks for the first way all of whose polygons are convex and
+// planar.
+
 #include "tafoni/surface/impl/convex.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "tafoni/surface/impl/cases.h"
@@ -66,8 +71,8 @@ ConvexPieces join(const CellCase& c, const std::vector<Diagonal>& all, int merge
       if (both >> t & 1) set[t] = both;
   }
   ConvexPieces out;
-  for (std::size_t t = 0; t < c.triangles; ++t)
-    if (std::countr_zero(set[t]) == static_cast<int>(t)) append_outline(c, set[t], out);
+  for (int t = 0; t < c.triangles; ++t)
+    if (std::countr_zero(set[t]) == t) append_outline(c, set[t], out);
   return out;
 }
 
@@ -93,15 +98,14 @@ struct Table {
   std::array<std::uint8_t, merges> order{};  ///< merges of most diagonals first
 
   Table() {
-    for (std::size_t m = 0; m < merges; ++m) order[m] = static_cast<std::uint8_t>(m);
+    std::iota(order.begin(), order.end(), std::uint8_t{0});
     std::stable_sort(order.begin(), order.end(),
                      [](std::uint8_t a, std::uint8_t b) { return std::popcount(a) > std::popcount(b); });
     for (std::size_t solid = 0; solid < 256; ++solid) {
       const CellCase& c = case_table()[solid];
       const auto all = impl::diagonals(c);
       diagonals[solid] = static_cast<int>(all.size());
-      for (int m = 0; m < 1 << all.size(); ++m)
-        pieces[solid * merges + static_cast<std::size_t>(m)] = join(c, all, m);
+      for (int m = 0; m < 1 << all.size(); ++m) pieces[solid * merges + m] = join(c, all, m);
       for (std::size_t d = 0; d < all.size(); ++d) quads[solid][d] = quad(c, all[d]);
     }
   }
@@ -143,15 +147,15 @@ bool may_be_planar(Vec3f a, Vec3f b, Vec3f c, Vec3f d, double tolerance) {
 }  // namespace
 
 const ConvexPieces& convex_pieces(int solid, int merge) {
-  return table().pieces[static_cast<std::size_t>(solid * merges + merge)];
+  return table().pieces[solid * merges + merge];
 }
 
 int best_merge(int solid, const std::uint32_t* triangles, const Vec3f* positions, double tolerance) {
   const Table& t = table();
-  const int diagonals = t.diagonals[static_cast<std::size_t>(solid)];
+  const int diagonals = t.diagonals[solid];
   int possible = 0;
   for (int d = 0; d < diagonals; ++d) {
-    const Quad& q = t.quads[static_cast<std::size_t>(solid)][static_cast<std::size_t>(d)];
+    const Quad& q = t.quads[solid][d];
     const auto corner = [&](std::size_t i) { return positions[triangles[q[i]]]; };
     possible |= may_be_planar(corner(0), corner(1), corner(2), corner(3), tolerance) << d;
   }
@@ -165,7 +169,7 @@ int best_merge(int solid, const std::uint32_t* triangles, const Vec3f* positions
     if (state == unknown) {
       Vec3d corners[7];
       for (int i = 0; i < n; ++i) corners[i] = to_double(positions[triangles[pieces.corners[begin + i]]]);
-      state = convex_and_planar(corners, static_cast<std::size_t>(n), tolerance) ? good : bad;
+      state = convex_and_planar(corners, n, tolerance) ? good : bad;
     }
     return state == good;
   };

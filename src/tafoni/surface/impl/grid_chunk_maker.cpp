@@ -1,9 +1,13 @@
+// Makes a chunk's mesh row by row. Tables of the first vertex, triangle and cut voxel of each row say where a
+// row's part lay and where it will lie, so that rows that stay are copied and only the others are made.
+
 #include "tafoni/surface/impl/grid_chunk_maker.h"
 
 #include <algorithm>
 #include <bit>
 #include <cstring>
 
+#include "tafoni/mesh/inner/size32.h"
 #include "tafoni/surface/impl/cases.h"
 #include "tafoni/surface/impl/convex.h"
 
@@ -34,7 +38,7 @@ std::uint32_t move_table(const std::vector<std::uint32_t>& old, std::size_t firs
 RowEdges GridChunkState::edges(const GridLayout::Block& block, int j, int k) const {
   const Vec3i lo = block.lo, hi = block.hi;
   if (j < lo.y || j > hi.y || k < lo.z || k > hi.z) return {};
-  const std::uint64_t* row = solid.data() + static_cast<std::ptrdiff_t>(k) * block.samples.y + j;
+  const std::uint64_t* row = solid.data() + k * block.samples.y + j;
   const std::uint64_t columns = bits(lo.x, hi.x + 1);
   return {(row[0] ^ (row[0] >> 1)) & bits(lo.x, hi.x), j < hi.y ? (row[0] ^ row[1]) & columns : 0,
           k < hi.z ? (row[0] ^ row[block.samples.y]) & columns : 0};
@@ -85,8 +89,7 @@ void GridChunkMaker::choose_parts(const SampleBox& changed) {
   const Vec3i n = block_.samples;
   GridChunkState& s = *state_;
   if (s.solid.empty()) {
-    s.solid.assign(static_cast<std::size_t>(n.y) * static_cast<std::size_t>(n.z) + 1,
-                   0);  // one for row_words()
+    s.solid.assign(n.y * n.z + 1, 0);  // one more for row_words()
     s.vertex_at.clear();
     s.triangle_at.clear();
     changed_ = fresh_ = {{0, n.y - 1}, {0, n.z - 1}};
@@ -106,8 +109,7 @@ void GridChunkMaker::read(const ScalarGrid& grid, const Part& part) {
   const Vec3i n = block_.samples;
   for (int k = part.planes.first; k <= part.planes.last; ++k) {
     const Vec3i lo = block_.origin + Vec3i{0, part.rows.first, k};
-    grid.read({lo, {lo.x + n.x - 1, block_.origin.y + part.rows.last, lo.z}},
-              samples_ + (static_cast<std::ptrdiff_t>(k) * n.y + part.rows.first) * n.x);
+    grid.read({lo, {lo.x + n.x - 1, block_.origin.y + part.rows.last, lo.z}}, samples(part.rows.first, k));
   }
   if (layout_.boundary == Boundary::solid) add_air(part);
 }
@@ -118,7 +120,7 @@ void GridChunkMaker::add_air(const Part& part) {
   const auto beyond = [](int sample, int samples) { return sample < 0 || sample >= samples; };
   for (int k = part.planes.first; k <= part.planes.last; ++k)
     for (int j = part.rows.first; j <= part.rows.last; ++j) {
-      float* row = samples_ + (static_cast<std::ptrdiff_t>(k) * n.y + j) * n.x;
+      float* row = samples(j, k);
       if (beyond(block_.origin.y + j, size.y) || beyond(block_.origin.z + k, size.z)) {
         std::fill_n(row, n.x, air);
         continue;
@@ -132,8 +134,8 @@ void GridChunkMaker::update_bits() {
   const Vec3i n = block_.samples;
   const int rows = changed_.rows.last - changed_.rows.first + 1;
   for (int k = changed_.planes.first; k <= changed_.planes.last; ++k) {
-    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(k) * n.y + changed_.rows.first;
-    signs(samples_ + row * n.x, n.x, rows, state_->solid.data() + row);
+    const int first = changed_.rows.first;
+    signs(samples(first, k), n.x, rows, state_->solid.data() + sample_row(first, k));
   }
 }
 
@@ -141,21 +143,19 @@ void GridChunkMaker::update_bits() {
 void GridChunkMaker::count_vertices() {
   const Vec3i n = block_.samples, lo = block_.lo, hi = block_.hi;
   const Rows rows = fresh_.rows, within{std::max(rows.first, lo.y), std::min(rows.last, hi.y)};
-  const auto end = static_cast<std::size_t>(n.y) * static_cast<std::size_t>(n.z);
+  const int end = n.y * n.z;
   vertex_at_.resize(end + 1);
-  words_.resize(static_cast<std::size_t>((rows.last - rows.first + 1) *
-                                         (fresh_.planes.last - fresh_.planes.first + 1)));
+  words_.resize((rows.last - rows.first + 1) * (fresh_.planes.last - fresh_.planes.first + 1));
   std::uint32_t at = 0;
   std::size_t row = 0;
   for (int k = fresh_.planes.first; k <= fresh_.planes.last; ++k) {
-    const auto plane = static_cast<std::size_t>(k * n.y);
-    at = move_table(state_->vertex_at, row, plane + static_cast<std::size_t>(rows.first), at, vertex_at_);
-    row = plane + static_cast<std::size_t>(rows.last + 1);
+    at = move_table(state_->vertex_at, row, sample_row(rows.first, k), at, vertex_at_);
+    row = sample_row(rows.last + 1, k);
     RowWord empty;
     empty.x_base = empty.y_base = empty.z_base = at;
     std::fill_n(&word(rows.first, k), rows.last - rows.first + 1, empty);
     if (k >= lo.z && k <= hi.z && within.first <= within.last) {
-      const std::uint64_t* solid = state_->solid.data() + plane + within.first;
+      const std::uint64_t* solid = state_->solid.data() + sample_row(within.first, k);
       at = row_words(solid, k < hi.z ? solid + n.y : nullptr, within.last - within.first + 1, columns(),
                      bits(lo.x, hi.x + 1), at, &word(within.first, k));
       if (within.last == hi.y) {  // no row after it
@@ -166,8 +166,7 @@ void GridChunkMaker::count_vertices() {
       }
       for (int j = within.last + 1; j <= rows.last; ++j) word(j, k).x_base = at;
     }
-    for (int j = rows.first; j <= rows.last; ++j)
-      vertex_at_[plane + static_cast<std::size_t>(j)] = word(j, k).x_base;
+    for (int j = rows.first; j <= rows.last; ++j) vertex_at_[sample_row(j, k)] = word(j, k).x_base;
   }
   vertex_at_[end] = move_table(state_->vertex_at, row, end, at, vertex_at_);
 }
@@ -179,7 +178,7 @@ std::uint64_t GridChunkMaker::columns() const {
 /// The triangles of recut rows, and where each row's will be.
 void GridChunkMaker::make_triangles() {
   const Vec3i n = block_.samples, lo = block_.lo, hi = block_.hi;
-  const auto end = static_cast<std::size_t>(n.y - 1) * static_cast<std::size_t>(n.z - 1);
+  const int end = (n.y - 1) * (n.z - 1);
   triangle_at_.resize(end + 1);
   corners_.clear();
   const std::uint64_t cells = columns();
@@ -193,9 +192,10 @@ void GridChunkMaker::make_triangles() {
       triangle_at_[voxel_row(j, k)] = at;
       if (j < lo.y || j >= hi.y || k < lo.z || k >= hi.z) continue;
       corners_.reserve_extra(15 * 64 + kernel_slack);
-      const std::size_t made = triangles(&word(j, k), &word(j, k + 1), &cells, 1, 1, corners_.end(), cut);
+      const auto made = static_cast<std::uint32_t>(
+          triangles(&word(j, k), &word(j, k + 1), &cells, 1, 1, corners_.end(), cut));
       corners_.commit(made);
-      at += static_cast<std::uint32_t>(made / 3);
+      at += made / 3;
     }
   }
   triangle_at_[end] = move_table(state_->triangle_at, row, end, at, triangle_at_);
@@ -229,10 +229,9 @@ void GridChunkMaker::place_all(GridChunkMesh& out) {
   out.normals.reserve(vertex_at_.back());
   std::size_t row = 0;
   for (int k = fresh_.planes.first; k <= fresh_.planes.last; ++k) {
-    const auto first = static_cast<std::size_t>(k * n.y + fresh_.rows.first);
-    keep_vertices(row, first, out);
+    keep_vertices(row, sample_row(fresh_.rows.first, k), out);
     place_row_span(k, out);
-    row = static_cast<std::size_t>(k * n.y + fresh_.rows.last + 1);
+    row = sample_row(fresh_.rows.last + 1, k);
   }
   keep_vertices(row, vertex_at_.size() - 1, out);
 }
@@ -240,8 +239,7 @@ void GridChunkMaker::place_all(GridChunkMesh& out) {
 /// Appends the vertices of the fresh rows of a plane.
 void GridChunkMaker::place_row_span(int k, GridChunkMesh& out) {
   const int first = fresh_.rows.first, last = fresh_.rows.last;
-  const auto row = [&](int j) { return static_cast<std::size_t>(k * block_.samples.y + j); };
-  const std::size_t n = vertex_at_[row(last) + 1] - vertex_at_[row(first)];
+  const std::size_t n = vertex_at_[sample_row(last + 1, k)] - vertex_at_[sample_row(first, k)];
   if (n == 0) return;
   keys_.clear();
   keys_.reserve_extra(n + kernel_slack);
@@ -252,14 +250,14 @@ void GridChunkMaker::place_row_span(int k, GridChunkMesh& out) {
       for (; set; set &= set - 1) *to++ = edge_key(std::countr_zero(set), j, axis);
     };
     list(e.x, 0), list(e.y, 1), list(e.z, 2);
-    keys_.commit(static_cast<std::size_t>(to - keys_.end()));
+    keys_.commit(to - keys_.end());
   }
   std::fill_n(keys_.end(), kernel_slack, EdgeKey{0});
   positions_.clear();
   normals_.clear();
   positions_.reserve_extra(3 * (n + kernel_slack));
   normals_.reserve_extra(3 * (n + kernel_slack));
-  plane_.f = samples_ + static_cast<std::ptrdiff_t>(k) * plane_.plane_step;
+  plane_.f = samples(0, k);
   plane_.k = k;
   plane_.level = block_.origin.z + k;
   place(plane_, keys_.data(), n, positions_.data(), nullptr, normals_.data());
@@ -308,14 +306,12 @@ void GridChunkMaker::for_voxel_rows(const Keep& keep, const Fresh& fresh) const 
 template <class T>
 void GridChunkMaker::keep_corners(int k, int first, std::size_t from, std::size_t to,
                                   const std::vector<T>& old, std::vector<T>& out) const {
-  const auto plane = static_cast<std::size_t>(block_.samples.y);
-  const std::size_t row = static_cast<std::size_t>(k) * plane + static_cast<std::size_t>(first);
+  const int row = sample_row(first, k), above = sample_row(first, k + 1);
   const auto& was = state_->vertex_at;
-  const std::uint32_t low = vertex_at_[row] - was[row], high = vertex_at_[row + plane] - was[row + plane];
-  const std::uint32_t limit = was[static_cast<std::size_t>(k + 1) * plane];
+  const std::uint32_t low = vertex_at_[row] - was[row], high = vertex_at_[above] - was[above];
+  const std::uint32_t limit = was[sample_row(0, k + 1)];
   const std::size_t begin = out.size();
-  out.insert(out.end(), old.begin() + static_cast<std::ptrdiff_t>(from),
-             old.begin() + static_cast<std::ptrdiff_t>(to));
+  out.insert(out.end(), old.begin() + from, old.begin() + to);
   if (low == 0 && high == 0) return;
   auto* corner = reinterpret_cast<std::uint32_t*>(out.data() + begin);
   const std::size_t n = (to - from) * sizeof(T) / sizeof(std::uint32_t);
@@ -343,7 +339,7 @@ void GridChunkMaker::gather_triangles(GridChunkMesh& out) const {
 std::uint64_t GridChunkMaker::cut_voxels(int j, int k) const {
   if (j < block_.lo.y || j >= block_.hi.y || k < block_.lo.z || k >= block_.hi.z) return 0;
   const int n = block_.samples.y;
-  const std::uint64_t* row = state_->solid.data() + static_cast<std::ptrdiff_t>(k) * n + j;
+  const std::uint64_t* row = state_->solid.data() + sample_row(j, k);
   const std::uint64_t any = row[0] | row[1] | row[n] | row[n + 1],
                       all = row[0] & row[1] & row[n] & row[n + 1];
   return (any | (any >> 1)) & ~(all & (all >> 1)) & columns();
@@ -366,14 +362,14 @@ void GridChunkMaker::gather_polygons(GridChunkMesh& out) {
     for (int j = 0; j < block_.samples.y - 1; ++j, ++row) {
       voxel_at_[row] = at;
       const bool fresh = recut_.planes.has(k) && recut_.rows.has(j);
-      at += fresh ? static_cast<std::uint32_t>(std::popcount(cut_voxels(j, k))) : old[row + 1] - old[row];
+      at += fresh ? std::popcount(cut_voxels(j, k)) : old[row + 1] - old[row];
     }
   voxel_at_[row] = at;
   const std::uint32_t* corners = corners_.data();
   for_voxel_rows([&](int k, int first, int end) { keep_polygons(k, first, end, p); },
                  [&](int k) { corners = join_polygons(k, corners, out); });
-  p.first.push_back(static_cast<std::uint32_t>(p.begin.size()));
-  p.begin.push_back(static_cast<std::uint32_t>(p.corners.size()));
+  p.first.push_back(mesh::inner::size32(p.begin));
+  p.begin.push_back(mesh::inner::size32(p.corners));
   state_->voxel_at.swap(voxel_at_);
 }
 
@@ -384,19 +380,17 @@ void GridChunkMaker::keep_polygons(int k, int first, int end, VoxelPolygons& out
   const std::size_t from = at[voxel_row(first, k)], to = at[voxel_row(end, k)];
   if (from == to) return;
   const VoxelPolygons& old = state_->mesh->polygons;
-  const auto append = [](auto& list, const auto& was, std::size_t a, std::size_t b, std::size_t begins) {
-    const auto moved = static_cast<std::uint32_t>(begins - was[a]);
+  const auto append = [](auto& list, const auto& was, std::size_t a, std::size_t b, std::uint32_t begins) {
+    const std::uint32_t moved = begins - was[a];
     const std::size_t n = list.size();
-    list.insert(list.end(), was.begin() + static_cast<std::ptrdiff_t>(a),
-                was.begin() + static_cast<std::ptrdiff_t>(b));
+    list.insert(list.end(), was.begin() + a, was.begin() + b);
     if (moved)
       for (std::size_t i = n; i < list.size(); ++i) list[i] += moved;
   };
   const std::size_t polygon = old.first[from], polygon_end = old.first[to];
-  out.voxels.insert(out.voxels.end(), old.voxels.begin() + static_cast<std::ptrdiff_t>(from),
-                    old.voxels.begin() + static_cast<std::ptrdiff_t>(to));
-  append(out.first, old.first, from, to, out.begin.size());
-  append(out.begin, old.begin, polygon, polygon_end, out.corners.size());
+  out.voxels.insert(out.voxels.end(), old.voxels.begin() + from, old.voxels.begin() + to);
+  append(out.first, old.first, from, to, mesh::inner::size32(out.begin));
+  append(out.begin, old.begin, polygon, polygon_end, mesh::inner::size32(out.corners));
   keep_corners(k, first, old.begin[polygon], old.begin[polygon_end], old.corners, out.corners);
 }
 
@@ -408,7 +402,7 @@ const std::uint32_t* GridChunkMaker::join_polygons(int k, const std::uint32_t* c
   const int n = block_.samples.y;
   const double tolerance = layout_.frame.spacing / 256;
   for (int j = recut_.rows.first; j <= recut_.rows.last; ++j) {
-    const std::uint64_t* row = state_->solid.data() + static_cast<std::ptrdiff_t>(k) * n + j;
+    const std::uint64_t* row = state_->solid.data() + sample_row(j, k);
     for (std::uint64_t cut = cut_voxels(j, k); cut; cut &= cut - 1) {
       const int i = std::countr_zero(cut);
       const auto pair = [&](int at) { return static_cast<int>(row[at] >> i & 3); };
@@ -416,13 +410,13 @@ const std::uint32_t* GridChunkMaker::join_polygons(int k, const std::uint32_t* c
       const ConvexPieces& pieces =
           convex_pieces(solid, best_merge(solid, corners, out.positions.data(), tolerance));
       p.voxels.push_back(block_.origin + Vec3i{i, j, k});
-      p.first.push_back(static_cast<std::uint32_t>(p.begin.size()));
+      p.first.push_back(mesh::inner::size32(p.begin));
       for (int piece = 0; piece < pieces.count; ++piece) {
-        p.begin.push_back(static_cast<std::uint32_t>(p.corners.size()));
+        p.begin.push_back(mesh::inner::size32(p.corners));
         for (int c = pieces.begin[piece]; c < pieces.begin[piece + 1]; ++c)
           p.corners.push_back(corners[pieces.corners[c]]);
       }
-      corners += 3 * case_table()[static_cast<std::size_t>(solid)].triangles;
+      corners += 3 * case_table()[solid].triangles;
     }
   }
   return corners;

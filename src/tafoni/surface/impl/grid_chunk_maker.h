@@ -12,7 +12,7 @@
 
 namespace tafoni::surface::impl {
 
-/// Of one row of a block's samples: which edges that start there carry a vertex, bits by column. Vertices are
+/// Which edges that start in a row of a block's samples carry a vertex, as bits by column. Vertices are
 /// ordered by plane, row, axis and column.
 struct RowEdges {
   std::uint64_t x, y, z;
@@ -30,7 +30,7 @@ struct GridChunkState {
   RowEdges edges(const GridLayout::Block& block, int j, int k) const;
 };
 
-/// One a thread; its memory is used again from chunk to chunk.
+/// Each thread has its own maker, whose memory is used again from chunk to chunk.
 class GridChunkMaker {
  public:
   GridChunkMaker(const GridLayout& layout, bool polygons);
@@ -58,12 +58,16 @@ class GridChunkMaker {
   void count_vertices();
   std::uint64_t columns() const;
   std::uint64_t cut_voxels(int j, int k) const;
-  std::size_t voxel_row(int j, int k) const {
-    return static_cast<std::size_t>(k * (block_.samples.y - 1) + j);
+  /// The number of a row of voxels, and of a row of samples, of the block.
+  int voxel_row(int j, int k) const { return k * (block_.samples.y - 1) + j; }
+  int sample_row(int j, int k) const { return k * block_.samples.y + j; }
+  /// Where the samples of a row begin.
+  float* samples(int j, int k) const {
+    return samples_ + std::ptrdiff_t{sample_row(j, k)} * block_.samples.x;
   }
   RowWord& word(int j, int k) {
     const int rows = fresh_.rows.last - fresh_.rows.first + 1;
-    return words_[static_cast<std::size_t>((k - fresh_.planes.first) * rows + j - fresh_.rows.first)];
+    return words_[(k - fresh_.planes.first) * rows + j - fresh_.rows.first];
   }
   void make_triangles();
   void place_all(GridChunkMesh& out);

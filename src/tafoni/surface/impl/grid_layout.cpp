@@ -1,3 +1,6 @@
+// Cuts a grid's frame into chunks, axis by axis; a solid has a layer of air around the frame, whose voxels
+// belong to the outermost chunks.
+
 #include "tafoni/surface/impl/grid_layout.h"
 
 #include <algorithm>
@@ -17,7 +20,7 @@ struct Axis {
   int first, samples, lo, hi;
 };
 
-/// Along one axis: chunk `at` of `chunks` with n samples in the frame.
+/// What chunk `at` of `chunks` has along one axis, of n samples in the frame.
 Axis axis_of(int at, int chunks, int n, bool solid) {
   const int frame_lo = solid ? -1 : 0, frame_hi = solid ? n : n - 1;
   const int lo = at == 0 ? frame_lo : side * at, hi = at == chunks - 1 ? frame_hi : side * (at + 1);

@@ -1,3 +1,6 @@
+// The inner loops, compiled once for each instruction set by Highway: signs of samples as bits, vertices and
+// their normals by whole vectors, triangles by counting bits.
+
 #include "tafoni/surface/impl/kernels.h"
 
 #include <algorithm>
@@ -31,7 +34,7 @@ HWY_INLINE void signs_of_row(const float* f, int samples, std::uint64_t* words) 
       __builtin_memcpy(&m, bits, sizeof m);
       word |= m << i;
     }
-    for (; i < end; ++i) word |= static_cast<std::uint64_t>(f[begin + i] > 0.0f) << i;
+    for (; i < end; ++i) word |= std::uint64_t{f[begin + i] > 0.0f} << i;
     *words++ = word;
   }
 }
@@ -43,16 +46,13 @@ void signs_kernel(const float* f, int samples, int rows, std::uint64_t* words) {
 
 std::uint64_t differences_kernel(const std::uint64_t* a, const std::uint64_t* b, std::size_t words) {
   std::uint64_t count = 0;
-  for (std::size_t w = 0; w < words; ++w)
-    count += static_cast<std::uint64_t>(__builtin_popcountll(a[w] ^ b[w]));
+  for (std::size_t w = 0; w < words; ++w) count += __builtin_popcountll(a[w] ^ b[w]);
   return count;
 }
 
 std::uint32_t row_words_kernel(const std::uint64_t* solid, const std::uint64_t* above, int rows,
                                std::uint64_t cells, std::uint64_t samples, std::uint32_t base, RowWord* out) {
-  const auto count = [](std::uint64_t word) {
-    return static_cast<std::uint32_t>(__builtin_popcountll(word));
-  };
+  const auto count = [](std::uint64_t word) -> std::uint32_t { return __builtin_popcountll(word); };
   for (int j = 0; j < rows; ++j, ++out) {
     out->solid = solid[j];
     out->next = solid[j] >> 1;
@@ -83,7 +83,7 @@ HWY_INLINE Doubles coordinate(IntVec index, FloatVec t, double first, double vox
   const auto at = hn::Add(hn::Add(hn::Set(d, first), hn::PromoteTo(d, index)), hn::PromoteTo(d, t));
   return {hn::Add(hn::Mul(at, hn::Set(d, voxel)), hn::Set(d, origin))};
 }
-HWY_INLINE FloatVec rounded(Doubles p) {
+HWY_INLINE FloatVec to_floats(Doubles p) {
   return hn::DemoteTo(F(), p.lower);
 }
 HWY_INLINE void store_points(Doubles x, Doubles y, Doubles z, double* out) {
@@ -105,7 +105,7 @@ HWY_INLINE Doubles coordinate(IntVec index, FloatVec t, double first, double vox
   return {one(hn::LowerHalf(hi, index), hn::LowerHalf(hf, t)),
           one(hn::UpperHalf(hi, index), hn::UpperHalf(hf, t))};
 }
-HWY_INLINE FloatVec rounded(Doubles p) {
+HWY_INLINE FloatVec to_floats(Doubles p) {
   const hn::Half<F> hf;
   return hn::Combine(F(), hn::DemoteTo(hf, p.upper), hn::DemoteTo(hf, p.lower));
 }
@@ -128,13 +128,13 @@ HWY_INLINE void collect_ends(const Plane& p, const EdgeKey* keys, std::size_t n,
   const std::ptrdiff_t steps[] = {1, p.row_step, p.plane_step};
   for (std::size_t v = 0; v < n; ++v) {
     const EdgeKey key = keys[v];
-    const float* at = p.f + key_i(key) + static_cast<std::ptrdiff_t>(key_j(key)) * p.row_step;
+    const float* at = p.f + key_i(key) + std::ptrdiff_t{key_j(key)} * p.row_step;
     out.f0[v] = at[0];
     out.f1[v] = at[steps[key_axis(key)]];
   }
 }
 
-/// Along one axis; one-sided at the grid's faces.
+/// Twice the difference of samples per edge along one axis; it is one-sided at the grid's faces.
 HWY_INLINE float difference(const float* at, int index, int first, int end, std::ptrdiff_t step) {
   if (index == first) return 2 * (at[step] - at[0]);
   if (index == end - 1) return 2 * (at[0] - at[-step]);
@@ -150,7 +150,7 @@ HWY_INLINE void collect_gradients(const Plane& p, const EdgeKey* keys, std::size
   for (std::size_t v = 0; v < n; ++v) {
     const int i = key_i(keys[v]), j = key_j(keys[v]), axis = key_axis(keys[v]);
     const float* ends[2];
-    ends[0] = p.f + i + static_cast<std::ptrdiff_t>(j) * row;
+    ends[0] = p.f + i + std::ptrdiff_t{j} * row;
     ends[1] = ends[0] + steps[axis];
     if (inner_plane && within(i, p.x0, p.nx) && within(j, p.y0, p.ny)) {
       for (int e = 0; e < 2; ++e) {
@@ -210,7 +210,7 @@ void place_batch(const Plane& plane, const EdgeKey* keys, const Columns& columns
     const auto x = coordinate(i, along(0), plane.i0, plane.voxel, plane.origin.x);
     const auto y = coordinate(j, along(1), plane.j0, plane.voxel, plane.origin.y);
     const auto z = coordinate(hn::Zero(di), along(2), plane.level, plane.voxel, plane.origin.z);
-    hn::StoreInterleaved3(rounded(x), rounded(y), rounded(z), df, positions + 3 * v);
+    hn::StoreInterleaved3(to_floats(x), to_floats(y), to_floats(z), df, positions + 3 * v);
     if (points) store_points(x, y, z, points + 3 * v);
     if (normals) store_normals(columns, v, t, axis, f0, normals + 3 * v);
   }
@@ -239,7 +239,7 @@ HWY_INLINE std::uint32_t* cells_of_word(const RowWord* r[4], std::uint64_t activ
     active &= active - 1;
     std::uint32_t lanes[16];
     for (int row = 0; row < 8; ++row) {
-      lanes[row] = base[row] + static_cast<std::uint32_t>(__builtin_popcountll(bits[row] & below));
+      lanes[row] = base[row] + __builtin_popcountll(bits[row] & below);
       lanes[row + 8] = lanes[row] + static_cast<std::uint32_t>((bits[row] >> i) & 1);
     }
     unsigned solid_corners = 0;
@@ -261,10 +261,10 @@ std::size_t triangles_kernel(const RowWord* lower, const RowWord* upper, const s
     const RowWord* r[4] = {lower + at, lower + at + words, upper + at, upper + at + words};
     const std::uint64_t active = cut_cells(r, cells[at]);
     if (!active) continue;
-    cut += static_cast<std::uint64_t>(__builtin_popcountll(active));
+    cut += __builtin_popcountll(active);
     out = cells_of_word(r, active, cases, out);
   }
-  return static_cast<std::size_t>(out - begin);
+  return out - begin;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -284,7 +284,7 @@ HWY_EXPORT(triangles_kernel);
 
 const LaneCase* lane_cases() {
   static const auto table = [] {
-    // By edge: the lane of the row it belongs to, plus 8 for the far column.
+    // The lane of each edge: that of the row it belongs to, plus 8 for the far column.
     constexpr std::uint8_t lane_of[12] = {0, 1, 2, 3, 4, 12, 5, 13, 6, 14, 7, 15};
     std::array<LaneCase, 256> cases{};
     for (std::size_t c = 0; c < 256; ++c) {

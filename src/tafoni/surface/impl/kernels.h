@@ -34,16 +34,16 @@ std::uint32_t row_words(const std::uint64_t* solid, const std::uint64_t* above, 
 /// A vertex within a plane of samples: column i, row j and axis of its edge.
 using EdgeKey = std::uint32_t;
 constexpr EdgeKey edge_key(int i, int j, int axis) {
-  return static_cast<EdgeKey>(i | (j << 12) | (axis << 24));
+  return i | (j << 12) | (axis << 24);
 }
 constexpr int key_i(EdgeKey key) {
-  return static_cast<int>(key & 0xfff);
+  return key & 0xfff;
 }
 constexpr int key_j(EdgeKey key) {
-  return static_cast<int>((key >> 12) & 0xfff);
+  return (key >> 12) & 0xfff;
 }
 constexpr int key_axis(EdgeKey key) {
-  return static_cast<int>(key >> 24);
+  return key >> 24;
 }
 
 /// Elements that kernels may write beyond the last one.

@@ -1,3 +1,6 @@
+// The triangle kernel for processors that count the bits of eight words at once: the twelve vertices of a
+// cell by one count, its triangles by one permutation.
+
 #include "tafoni/surface/impl/lanes_table.h"
 
 #if defined(__x86_64__)
@@ -22,24 +25,16 @@ namespace {
 
 TAFONI_LANES inline std::uint32_t* cells_of_word(const RowWord* const r[4], std::uint64_t active,
                                                  const LaneCase* cases, std::uint32_t* out) {
-  const auto bits = _mm512_set_epi64(static_cast<long long>(r[1]->z), static_cast<long long>(r[0]->z),
-                                     static_cast<long long>(r[2]->y), static_cast<long long>(r[0]->y),
-                                     static_cast<long long>(r[3]->x), static_cast<long long>(r[2]->x),
-                                     static_cast<long long>(r[1]->x), static_cast<long long>(r[0]->x));
-  const auto solid =
-      _mm512_set_epi64(static_cast<long long>(r[3]->next), static_cast<long long>(r[3]->solid),
-                       static_cast<long long>(r[2]->next), static_cast<long long>(r[2]->solid),
-                       static_cast<long long>(r[1]->next), static_cast<long long>(r[1]->solid),
-                       static_cast<long long>(r[0]->next), static_cast<long long>(r[0]->solid));
-  const auto base = _mm256_set_epi32(static_cast<int>(r[1]->z_base), static_cast<int>(r[0]->z_base),
-                                     static_cast<int>(r[2]->y_base), static_cast<int>(r[0]->y_base),
-                                     static_cast<int>(r[3]->x_base), static_cast<int>(r[2]->x_base),
-                                     static_cast<int>(r[1]->x_base), static_cast<int>(r[0]->x_base));
+  const auto bits = _mm512_set_epi64(r[1]->z, r[0]->z, r[2]->y, r[0]->y, r[3]->x, r[2]->x, r[1]->x, r[0]->x);
+  const auto solid = _mm512_set_epi64(r[3]->next, r[3]->solid, r[2]->next, r[2]->solid, r[1]->next,
+                                      r[1]->solid, r[0]->next, r[0]->solid);
+  const auto base = _mm256_set_epi32(r[1]->z_base, r[0]->z_base, r[2]->y_base, r[0]->y_base, r[3]->x_base,
+                                     r[2]->x_base, r[1]->x_base, r[0]->x_base);
   while (active) {
     const std::uint64_t bit = active & (0 - active);
     active ^= bit;
-    const auto at = _mm512_set1_epi64(static_cast<long long>(bit));
-    const auto below = _mm512_set1_epi64(static_cast<long long>(bit - 1));
+    const auto at = _mm512_set1_epi64(bit);
+    const auto below = _mm512_set1_epi64(bit - 1);
     const unsigned solid_corners = _cvtmask8_u32(_mm512_test_epi64_mask(solid, at));
     const auto rank = _mm512_cvtepi64_epi32(_mm512_popcnt_epi64(_mm512_and_si512(bits, below)));
     const auto index = _mm256_add_epi32(rank, base);
@@ -65,10 +60,10 @@ TAFONI_LANES std::size_t triangles_by_lanes(const RowWord* lower, const RowWord*
     const RowWord* r[4] = {lower + at, lower + at + words, upper + at, upper + at + words};
     const std::uint64_t active = cut_cells(r, cells[at]);
     if (!active) continue;
-    cut += static_cast<std::uint64_t>(_mm_popcnt_u64(active));
+    cut += _mm_popcnt_u64(active);
     out = cells_of_word(r, active, cases, out);
   }
-  return static_cast<std::size_t>(out - begin);
+  return out - begin;
 }
 
 }  // namespace tafoni::surface::impl

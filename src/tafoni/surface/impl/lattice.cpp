@@ -1,3 +1,6 @@
+// Turns a region into a box of cells, and a predicate over columns into bits; drops columns that touch others
+// only across a corner.
+
 #include "tafoni/surface/impl/lattice.h"
 
 #include <bit>
@@ -14,15 +17,15 @@ struct Range {
   std::int32_t lo, hi;
 };
 
-std::int32_t clamped(double cell) {
+std::int32_t clamp_cell(double cell) {
   return static_cast<std::int32_t>(std::min(std::max(cell, -most_cells), most_cells));
 }
 
 Range cells_of(double lo, double hi, double voxel, Boundary boundary) {
   if (boundary == Boundary::open)
-    return {clamped(std::ceil(lo / voxel - 0.5)), clamped(std::floor(hi / voxel - 0.5) + 1)};
+    return {clamp_cell(std::ceil(lo / voxel - 0.5)), clamp_cell(std::floor(hi / voxel - 0.5) + 1)};
   constexpr double n = field::chunk_cells;
-  return {clamped(std::floor((lo / voxel - 1) / n) * n), clamped(std::ceil((hi / voxel + 1) / n) * n)};
+  return {clamp_cell(std::floor((lo / voxel - 1) / n) * n), clamp_cell(std::ceil((hi / voxel + 1) / n) * n)};
 }
 
 }  // namespace
@@ -70,13 +73,13 @@ CellSet::CellSet(const Box3d& bounds, const PolygonizeSettings& settings) {
 std::int64_t CellSet::reach() const {
   std::int64_t most = 0;
   for (std::int32_t v : {lo_.x, lo_.y, hi_.x, hi_.y})
-    most = std::max<std::int64_t>(most, std::abs(static_cast<std::int64_t>(v)));
+    most = std::max<std::int64_t>(most, std::abs(std::int64_t{v}));
   return most;
 }
 
 void CellSet::choose_columns(const PolygonizeSettings& settings) {
-  words_ = (static_cast<std::size_t>(hi_.x) - static_cast<std::size_t>(lo_.x) + 63) / 64;
-  columns_.assign(words_ * (static_cast<std::size_t>(hi_.y) - static_cast<std::size_t>(lo_.y)), 0);
+  words_ = (std::int64_t{hi_.x} - lo_.x + 63) / 64;
+  columns_.assign(words_ * (std::int64_t{hi_.y} - lo_.y), 0);
   for (int j = lo_.y; j < hi_.y; ++j)
     for (int i = lo_.x; i < hi_.x; ++i)
       if (settings.inside((i + 0.5) * settings.voxel, (j + 0.5) * settings.voxel))
@@ -112,13 +115,11 @@ std::uint64_t CellSet::row(int i, int j) const {
   if (i < lo_.x) bits &= ~std::uint64_t{0} << (lo_.x - i);
   if (i + 64 > hi_.x) bits &= ~std::uint64_t{0} >> (i + 64 - hi_.x);
   if (columns_.empty()) return bits;
-  const std::uint64_t* words = columns_.data() + static_cast<std::size_t>(j - lo_.y) * words_;
-  const auto word_at = [&](std::int64_t w) {
-    return w >= 0 && w < static_cast<std::int64_t>(words_) ? words[w] : 0;
-  };
-  const std::int64_t offset = static_cast<std::int64_t>(i) - lo_.x;
+  const std::uint64_t* words = columns_.data() + (j - lo_.y) * words_;
+  const auto word_at = [&](std::int64_t w) { return w >= 0 && w < words_ ? words[w] : 0; };
+  const std::int64_t offset = std::int64_t{i} - lo_.x;
   const std::int64_t w = offset >> 6;
-  const int shift = static_cast<int>(offset & 63);
+  const std::int64_t shift = offset & 63;
   bits &= shift == 0 ? word_at(w) : (word_at(w) >> shift) | (word_at(w + 1) << (64 - shift));
   return bits;
 }

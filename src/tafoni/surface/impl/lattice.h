@@ -47,19 +47,17 @@ class CellSet {
   bool whole_chunk(Vec3i first) const;
 
  private:
-  std::size_t word(int i, int j) const {
-    return static_cast<std::size_t>(j - lo_.y) * words_ + static_cast<std::size_t>((i - lo_.x) >> 6);
-  }
+  std::ptrdiff_t word(int i, int j) const { return (j - lo_.y) * words_ + ((i - lo_.x) >> 6); }
   void choose_columns(const PolygonizeSettings& settings);
   bool drop_corner_contacts();
 
   static Vec3i chunk_of(Vec3i cell) {
-    constexpr int shift = std::bit_width(static_cast<unsigned>(field::chunk_cells)) - 1;
+    constexpr int shift = std::bit_width(unsigned{field::chunk_cells}) - 1;
     return {cell.x >> shift, cell.y >> shift, cell.z >> shift};
   }
 
-  Vec3i lo_, hi_;  ///< hi exclusive
-  std::size_t words_ = 0;
+  Vec3i lo_, hi_;                       ///< hi exclusive
+  std::ptrdiff_t words_ = 0;            ///< a row of columns_
   std::vector<std::uint64_t> columns_;  ///< by row from lo_.y, bits from lo_.x; empty: every column
 };
 

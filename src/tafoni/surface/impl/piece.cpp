@@ -1,3 +1,6 @@
+// Makes the mesh of a chunk by the core (impl/block.h), notes where its vertices lie on the chunk's faces and
+// edges, and asks the source for gradients where the vertices are.
+
 #include "tafoni/surface/impl/piece.h"
 
 #include <chrono>
@@ -5,6 +8,7 @@
 #include <cstring>
 
 #include "tafoni/core/error.h"
+#include "tafoni/mesh/inner/size32.h"
 
 namespace tafoni::surface::impl {
 namespace {
@@ -40,7 +44,7 @@ bool PieceMaker::choose_cells(const field::ChunkSamples& samples) {
     if (!all) continue;
     for (int k = 8 * bz; k < 8 * bz + 8; ++k) {
       if (!set_.layer(first_.z + k)) continue;
-      layers_[static_cast<std::size_t>(k)] = any = true;
+      layers_[k] = any = true;
       std::uint64_t* to = cells_.data() + k * layer_words;
       for (int j = 0; j < n; ++j) to[j * words] = rows[j];
     }
@@ -92,7 +96,7 @@ bool PieceMaker::make(const field::ChunkSamples& samples, SampleSource& source, 
 
 void PieceMaker::vertices(int k, const PlaneOutput& out) {
   const std::size_t count = out.keys.size();
-  plane_.f = samples_ + static_cast<std::ptrdiff_t>(k) * plane_.plane_step;
+  plane_.f = samples_ + std::ptrdiff_t{k} * plane_.plane_step;
   plane_.k = k;
   plane_.level = first_.z + k;
   positions_.reserve_extra(3 * (count + kernel_slack));
@@ -102,10 +106,10 @@ void PieceMaker::vertices(int k, const PlaneOutput& out) {
   if (normals_) points_.commit(3 * count);
   if (kept_) take_over(k, out);
   const EdgeKey* keys = out.keys.data();
-  for (std::size_t v = 0; v < count; ++v) {
+  for (std::uint32_t v = 0; v < count; ++v) {
     const int i = key_i(keys[v]), j = key_j(keys[v]);
     if (((i & (n - 1)) == 0) | ((j & (n - 1)) == 0) | ((k & (n - 1)) == 0) | !whole_)
-      note_border(k, keys[v], out.first + static_cast<std::uint32_t>(v));
+      note_border(k, keys[v], out.first + v);
   }
 }
 
@@ -114,13 +118,13 @@ void PieceMaker::take_over(int k, const PlaneOutput& out) {
   const std::span<std::uint32_t> old = kept_->piece.edges;
   const std::size_t count = out.keys.size();
   normals_out_.resize(normals_ ? out.first + count : 0);
-  for (std::size_t v = 0; v < count; ++v) {
+  for (std::uint32_t v = 0; v < count; ++v) {
     const EdgeKey key = out.keys.data()[v];
     const int i = key_i(key), j = key_j(key), axis = key_axis(key);
-    const auto edge = static_cast<std::uint32_t>(((k * (n + 1) + j) * 3 + axis) * (n + 1) + i);
+    const std::uint32_t edge = ((k * (n + 1) + j) * 3 + axis) * (n + 1) + i;
     edges_.push_back(edge);
     if (!kept_->holds(i, j, k, axis)) {
-      fresh_.push_back(out.first + static_cast<std::uint32_t>(v));
+      fresh_.push_back(out.first + v);
       continue;
     }
     while (kept_at_ < old.size() && old[kept_at_] < edge) ++kept_at_;
@@ -160,10 +164,9 @@ void PieceMaker::note_border(int k, EdgeKey key, std::uint32_t vertex) {
     const int face_axis = on_a ? a : b;
     // Vertices come by k, j, axis and i; `place` ascends in that order within each face.
     const int i = at[0], j = at[1];
-    const int place =
+    const std::uint32_t place =
         face_axis == 0 ? (k * (n + 1) + j) * 3 + axis : ((face_axis == 1 ? k : j) * 3 + axis) * (n + 1) + i;
-    piece_->faces[static_cast<std::size_t>(2 * face_axis + (at[face_axis] == n))].push_back(
-        {static_cast<std::uint32_t>(place), vertex});
+    piece_->faces[2 * face_axis + (at[face_axis] == n)].push_back({place, vertex});
   }
 }
 
@@ -189,7 +192,7 @@ void PieceMaker::find_normals(SampleSource& source, Piece& out) {
 }
 
 void find_parts(Piece& out, std::vector<std::uint32_t>& parents) {
-  const auto count = static_cast<std::uint32_t>(out.positions.size());
+  const auto count = mesh::inner::size32(out.positions);
   parents.resize(count);
   for (std::uint32_t v = 0; v < count; ++v) parents[v] = v;
   const auto root = [&](std::uint32_t v) {

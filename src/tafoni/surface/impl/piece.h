@@ -99,7 +99,7 @@ class PieceMaker {
   void forget_pieces() { arena_->clear(); }
 
   /// Prepares and reports on the cells of a chunk; for BlockWalker.
-  bool layer(int k) const { return k >= 0 && k < field::chunk_cells && layers_[static_cast<std::size_t>(k)]; }
+  bool layer(int k) const { return k >= 0 && k < field::chunk_cells && layers_[k]; }
   const std::uint64_t* rows(int k) const { return cells_.data() + k * layer_words; }
   void vertices(int k, const PlaneOutput& out);
   void triangles(const PlaneOutput& out);

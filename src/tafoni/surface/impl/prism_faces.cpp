@@ -1,6 +1,11 @@
+// Makes the caps of a cell's slabs and, along each of its sides, the walls where it is solid and the cell
+// beyond is not.
+
 #include "tafoni/surface/impl/prism_faces.h"
 
 #include <algorithm>
+
+#include "tafoni/mesh/inner/size32.h"
 
 namespace tafoni::surface::impl {
 
@@ -23,11 +28,11 @@ const std::vector<PrismFace>& PrismFaces::run(const volume::PrismFields& fields,
   for (int j = known_.j0; j <= known_.j1; ++j)
     for (int i = known_.i0; i <= known_.i1; ++i) {
       const auto all = cells_.slabs(i, j, dead);
-      starts_.push_back(static_cast<std::int32_t>(slabs_.size()));
+      starts_.push_back(mesh::inner::size32(slabs_));
       cuts_.push_back(cells_.cut_0_to_2(all));
       slabs_.insert(slabs_.end(), all.begin(), all.end());
     }
-  starts_.push_back(static_cast<std::int32_t>(slabs_.size()));
+  starts_.push_back(mesh::inner::size32(slabs_));
   faces_.clear(), face_starts_.clear();
   meshed_ = {box.i0 - r, box.j0 - r, box.i1 + r, box.j1 + r};
   for (int j = meshed_.j0; j <= meshed_.j1; ++j)
@@ -46,9 +51,8 @@ const std::vector<PrismFace>& PrismFaces::run(const volume::PrismFields& fields,
 }
 
 std::span<const PrismFaces::Slab> PrismFaces::slabs(int i, int j) const {
-  const std::size_t c = static_cast<std::size_t>(j - known_.j0) * static_cast<std::size_t>(known_.width()) +
-                        static_cast<std::size_t>(i - known_.i0);
-  return {slabs_.data() + starts_[c], static_cast<std::size_t>(starts_[c + 1] - starts_[c])};
+  const std::ptrdiff_t c = cell(i, j);
+  return {slabs_.begin() + starts_[c], slabs_.begin() + starts_[c + 1]};
 }
 
 void PrismFaces::face(std::int32_t ca, std::int32_t la, std::int32_t cb, std::int32_t lb, std::int32_t cc,
@@ -57,8 +61,7 @@ void PrismFaces::face(std::int32_t ca, std::int32_t la, std::int32_t cb, std::in
 }
 
 void PrismFaces::caps(int i, int j, std::span<const Slab> all) {
-  const std::size_t c = static_cast<std::size_t>(j - known_.j0) * static_cast<std::size_t>(known_.width()) +
-                        static_cast<std::size_t>(i - known_.i0);
+  const std::ptrdiff_t c = cell(i, j);
   for (std::size_t from = 0, to = 0; from < all.size(); from = to) {
     while (to < all.size() && all[to].piece == all[from].piece) ++to;
     const auto piece = all.subspan(from, to - from);
@@ -75,26 +78,25 @@ void PrismFaces::caps(int i, int j, std::span<const Slab> all) {
     const int a = corners[2], b = corners[0];
     here_.clear();
     side_of(piece, a, b, here_);
-    for (const Quad& quad : here_)
-      wall(columns_[static_cast<std::size_t>(a)], columns_[static_cast<std::size_t>(b)], quad);
+    for (const Quad& quad : here_) wall(columns_[a], columns_[b], quad);
   }
 }
 
 /// Where a slab lies on the next at all corners, neither shows.
 void PrismFaces::caps_of_triangle(std::span<const Slab> piece, const std::array<int, 3>& corners) {
   std::int32_t column[3];
-  for (std::size_t k = 0; k < 3; ++k) column[k] = columns_[static_cast<std::size_t>(corners[k])];
+  for (std::size_t k = 0; k < 3; ++k) column[k] = columns_[corners[k]];
   const Slab* below = nullptr;
   const auto top = [&] {
     std::int32_t z[3];
-    for (std::size_t k = 0; k < 3; ++k) z[k] = below->at[static_cast<std::size_t>(corners[k])].last;
+    for (std::size_t k = 0; k < 3; ++k) z[k] = below->at[corners[k]].last;
     face(column[0], z[0], column[1], z[1], column[2], z[2], PrismSurface::upper);
   };
   for (const Slab& slab : piece) {
     bool flat = true, glued = below != nullptr;
     std::int32_t z[3];
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t at = static_cast<std::size_t>(corners[k]);
+      const std::size_t at = corners[k];
       z[k] = slab.at[at].first;
       flat = flat && z[k] == slab.at[at].last;
       glued = glued && below->at[at].last == z[k];
@@ -110,10 +112,10 @@ void PrismFaces::caps_of_triangle(std::span<const Slab> piece, const std::array<
 }
 
 void PrismFaces::side_of(std::span<const Slab> all, int a, int b, std::vector<Quad>& out) const {
-  const std::uint8_t both = static_cast<std::uint8_t>((1u << a) | (1u << b));
+  const int both = (1 << a) | (1 << b);
   for (const Slab& slab : all) {
     if ((slab.corners & both) != both) continue;
-    const Quad quad{slab.at[static_cast<std::size_t>(a)], slab.at[static_cast<std::size_t>(b)]};
+    const Quad quad{slab.at[a], slab.at[b]};
     if (quad.a.first == quad.a.last && quad.b.first == quad.b.last) continue;
     if (!out.empty() && out.back().a.last == quad.a.first && out.back().b.last == quad.b.first) {
       out.back().a.last = quad.a.last;
@@ -127,7 +129,7 @@ void PrismFaces::side_of(std::span<const Slab> all, int a, int b, std::vector<Qu
 void PrismFaces::walls(int i, int j, int side, std::span<const Slab> all) {
   const auto other = slabs(i + across[side][0], j + across[side][1]);
   const int a = side, b = (side + 1) % 4, c = (side + 3) % 4, d = (side + 2) % 4;
-  const auto at = [](const Slab& slab, int k) { return slab.at[static_cast<std::size_t>(k)]; };
+  const auto at = [](const Slab& slab, int k) { return slab.at[k]; };
   if (all.size() == 1 && other.size() == 1 && all[0].corners == 15 && other[0].corners == 15 &&
       at(all[0], a) == at(other[0], c) && at(all[0], b) == at(other[0], d))
     return;
@@ -135,8 +137,7 @@ void PrismFaces::walls(int i, int j, int side, std::span<const Slab> all) {
   side_of(all, a, b, here_);
   side_of(other, c, d, there_);
   for (const Quad& quad : here_)
-    if (std::find(there_.begin(), there_.end(), quad) == there_.end())
-      wall(columns_[static_cast<std::size_t>(a)], columns_[static_cast<std::size_t>(b)], quad);
+    if (std::find(there_.begin(), there_.end(), quad) == there_.end()) wall(columns_[a], columns_[b], quad);
 }
 
 /// Triangles between the levels of two columns, b to the right seen from outside.

@@ -15,18 +15,17 @@ struct PrismFace {
   PrismSurface surface;
 };
 
-/// One a thread; reuses its memory.
+/// Each thread has its own, whose memory is used again from run to run.
 class PrismFaces {
  public:
   /// The faces of the cells from (box.i0, box.j0) to (box.i1, box.j1) and, if `ring`, of those around it, row
   /// by row. The faces of a cell do not depend on the box.
   const std::vector<PrismFace>& run(const volume::PrismFields& fields, const volume::ColumnBox& box,
                                     bool ring, volume::DeadPoints dead);
-  /// Of the last run: the faces of the cells from (i, j) to (i_end - 1, j).
+  /// Where the last run put the faces of the cells from (i, j) to (i_end - 1, j).
   std::pair<std::size_t, std::size_t> in_row(int i, int i_end, int j) const {
-    const std::size_t row =
-        static_cast<std::size_t>(j - meshed_.j0) * static_cast<std::size_t>(meshed_.width());
-    const auto at = [&](int n) { return face_starts_[row + static_cast<std::size_t>(n - meshed_.i0)]; };
+    const std::ptrdiff_t row = std::ptrdiff_t{j - meshed_.j0} * meshed_.width();
+    const auto at = [&](int n) { return face_starts_[row + (n - meshed_.i0)]; };
     return {at(i), at(i_end)};
   }
 
@@ -41,6 +40,10 @@ class PrismFaces {
     Range a, b;
     friend bool operator==(const Quad&, const Quad&) = default;
   };
+  /// The place of a cell of known_ in starts_ and cuts_.
+  std::ptrdiff_t cell(int i, int j) const {
+    return std::ptrdiff_t{j - known_.j0} * known_.width() + (i - known_.i0);
+  }
   std::span<const Slab> slabs(int i, int j) const;
   void caps(int i, int j, std::span<const Slab> all);
   void caps_of_triangle(std::span<const Slab> piece, const std::array<int, 3>& corners);

@@ -1,9 +1,14 @@
+// Gives every fan of triangles around a vertex a vertex of its own: corners of triangles are joined across
+// the edges that they share, and where more than two triangles meet at an edge, across the solid between
+// them.
+
 #include "tafoni/surface/impl/separate.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "tafoni/mesh/inner/size32.h"
 #include "tafoni/mesh/inner/topology.h"
 
 namespace tafoni::surface::impl {
@@ -94,8 +99,7 @@ class Separation {
       if (to - from == 2)
         join(halves[from].corner, halves[from + 1].corner);
       else
-        pair_fan({halves.begin() + static_cast<std::ptrdiff_t>(from),
-                  halves.begin() + static_cast<std::ptrdiff_t>(to)});
+        pair_fan({halves.begin() + from, halves.begin() + to});
     }
   }
 
@@ -155,7 +159,7 @@ class Separation {
     std::vector<Vec3f> positions;
     positions.reserve(roots.size());
     for (auto [v, c] : roots) {
-      id[c] = static_cast<Index>(positions.size());
+      id[c] = mesh::inner::size32(positions);
       positions.push_back(mesh_.positions[v]);
     }
     for (Index c = 0; c < corners; ++c) id[c] = id[sets_.root(c)];
@@ -169,7 +173,7 @@ class Separation {
     for (auto [a, b] : crowded_) {
       const auto ends = std::minmax({vertex(a), vertex(next_corner(a))});
       if (seen[{ends.first, ends.second}]++ == 0) continue;
-      const Index middle = static_cast<Index>(mesh_.positions.size());
+      const Index middle = mesh::inner::size32(mesh_.positions);
       mesh_.positions.push_back((mesh_.positions[ends.first] + mesh_.positions[ends.second]) * 0.5f);
       for (Index c : {a, b})
         middles.try_emplace(c / 3, std::array{none, none, none}).first->second[c % 3] = middle;

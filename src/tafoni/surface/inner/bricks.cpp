@@ -1,3 +1,5 @@
+// Walks a box of bricks as one block with the polygonizer's core; cells of inactive bricks are masked out.
+
 #include "tafoni/surface/inner/bricks.h"
 
 #include <cstring>
@@ -20,17 +22,15 @@ struct BrickPolygonizer::State {
   const float* f = nullptr;
   mesh::Mesh* out = nullptr;
 
-  bool layer(int k) const {
-    return k >= 0 && k < static_cast<int>(layers.size()) && layers[static_cast<std::size_t>(k)];
-  }
+  bool layer(int k) const { return k >= 0 && k < std::ssize(layers) && layers[k]; }
   const std::uint64_t* rows(int k) const { return cells.data() + k * rows_a_layer; }
 
   bool choose_cells(const field::ChunkSamples& samples, const field::BrickBox& box) {
     constexpr int n = field::brick_cells;
     rows_a_layer = (box.hi.y - box.lo.y + 1) * n;
     const int height = (box.hi.z - box.lo.z + 1) * n;
-    cells.assign(static_cast<std::size_t>(rows_a_layer * height), 0);
-    layers.assign(static_cast<std::size_t>(height), false);
+    cells.assign(rows_a_layer * height, 0);
+    layers.assign(height, false);
     bool any = false;
     for (int bz = box.lo.z; bz <= box.hi.z; ++bz)
       for (int by = box.lo.y; by <= box.hi.y; ++by)
@@ -39,9 +39,9 @@ struct BrickPolygonizer::State {
           any = true;
           const std::uint64_t bits = std::uint64_t{0xff} << ((bx - box.lo.x) * n);
           for (int k = (bz - box.lo.z) * n; k < (bz - box.lo.z + 1) * n; ++k) {
-            layers[static_cast<std::size_t>(k)] = true;
+            layers[k] = true;
             for (int j = (by - box.lo.y) * n; j < (by - box.lo.y + 1) * n; ++j)
-              cells[static_cast<std::size_t>(k * rows_a_layer + j)] |= bits;
+              cells[k * rows_a_layer + j] |= bits;
           }
         }
     return any;
@@ -49,7 +49,7 @@ struct BrickPolygonizer::State {
 
   void vertices(int k, const PlaneOutput& found) {
     const std::size_t count = found.keys.size();
-    plane.f = f + static_cast<std::ptrdiff_t>(k) * plane.plane_step;
+    plane.f = f + std::ptrdiff_t{k} * plane.plane_step;
     plane.k = k;
     plane.level = first.z + k;
     positions.reserve_extra(3 * (count + kernel_slack));
@@ -92,8 +92,7 @@ void BrickPolygonizer::polygonize(const field::ChunkSamples& samples, const fiel
   constexpr int cells = field::chunk_cells;
   s.first = {samples.chunk.x * cells + lo.x, samples.chunk.y * cells + lo.y, samples.chunk.z * cells + lo.z};
   s.plane.i0 = s.first.x, s.plane.j0 = s.first.y;
-  s.f = samples.f.data() +
-        (static_cast<std::ptrdiff_t>(lo.z) * s.plane.plane_step + lo.y * s.plane.row_step + lo.x);
+  s.f = samples.f.data() + (std::ptrdiff_t{lo.z} * s.plane.plane_step + lo.y * s.plane.row_step + lo.x);
   s.out = &out;
   s.positions.clear();
   s.walker.walk(s.f, hi.x - lo.x + 1, hi.y - lo.y + 1, hi.z - lo.z + 1, s.plane.row_step, s.plane.plane_step,

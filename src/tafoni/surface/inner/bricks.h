@@ -9,7 +9,7 @@
 
 namespace tafoni::surface {
 
-/// One a thread; reuses its memory.
+/// Each thread has its own, whose memory is used again from call to call.
 class BrickPolygonizer {
  public:
   /// `region`: what the mesh that this one shall equal is made of (its settings' region, or the field's
@@ -20,8 +20,8 @@ class BrickPolygonizer {
   BrickPolygonizer(const BrickPolygonizer&) = delete;
   BrickPolygonizer& operator=(const BrickPolygonizer&) = delete;
 
-  /// Of the cells of the active bricks in `box`: triangles, and positions bit for bit those of polygonize(),
-  /// without normals. `out` is overwritten.
+  /// Makes the triangles of the cells of the active bricks in `box`; positions are bit for bit those of
+  /// polygonize(), and there are no normals. `out` is overwritten.
   void polygonize(const field::ChunkSamples& samples, const field::BrickBox& box, mesh::Mesh& out);
 
  private:

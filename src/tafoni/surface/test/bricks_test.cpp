@@ -4,9 +4,11 @@
 #include <array>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/field/chunks.h"
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/tree.h"
@@ -66,8 +68,14 @@ TEST(BrickPolygonizer, AllBoxesOfBricksTogetherAreTheMesh) {
 }
 
 TEST(BrickPolygonizer, BadVoxelsAreErrors) {
-  EXPECT_THROW(BrickPolygonizer(0, {{0, 0, 0}, {1, 1, 1}}), Error);
-  EXPECT_THROW(BrickPolygonizer(1e-9, {{0, 0, 0}, {1, 1, 1}}), Error);
+  EXPECT_THAT(error_of([&] {
+                BrickPolygonizer(0, {{0, 0, 0}, {1, 1, 1}});
+              }),
+              ::testing::HasSubstr("a voxel of 0 m cannot be used"));
+  EXPECT_THAT(error_of([&] {
+                BrickPolygonizer(1e-9, {{0, 0, 0}, {1, 1, 1}});
+              }),
+              ::testing::HasSubstr("too far for single precision"));
 }
 
 }  // namespace

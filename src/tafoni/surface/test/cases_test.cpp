@@ -51,7 +51,7 @@ int common_face(int a, int b) {
 
 TEST(Cases, UseEveryCutEdgeAndNoOther) {
   for (int c = 0; c < 256; ++c) {
-    const CellCase& cell = case_table()[static_cast<std::size_t>(c)];
+    const CellCase& cell = case_table()[c];
     const std::set<int> used(cell.edges.begin(), cell.edges.begin() + 3 * cell.triangles);
     for (int e = 0; e < 12; ++e)
       EXPECT_EQ(used.contains(e), solid(c, edge(e).low) != solid(c, edge(e).high)) << c << ' ' << e;
@@ -60,7 +60,7 @@ TEST(Cases, UseEveryCutEdgeAndNoOther) {
 
 TEST(Cases, RimsLieInFacesAndDiagonalsDoNot) {
   for (int c = 0; c < 256; ++c) {
-    const CellCase& cell = case_table()[static_cast<std::size_t>(c)];
+    const CellCase& cell = case_table()[c];
     const std::set<Segment> border = rim(cell);
     for (unsigned t = 0; t < cell.triangles; ++t)
       for (unsigned k = 0; k < 3; ++k) {
@@ -80,7 +80,7 @@ TEST(Cases, AdjacentCellsAgreeOnEveryPairOfCases) {
         for (int corner = 0, bit = 0; corner < 8; ++corner)
           if (((corner >> axis) & 1) == side) pattern |= solid(c, corner) << bit++;
         std::set<Segment> segments;
-        for (auto [a, b] : rim(case_table()[static_cast<std::size_t>(c)])) {
+        for (auto [a, b] : rim(case_table()[c])) {
           if (common_face(a, b) != 2 * axis + side) continue;
           // Named as the cell on the low side of the face names them; it runs the other way around there.
           const auto moved = [&](int e) {
@@ -101,7 +101,7 @@ TEST(Cases, AdjacentCellsAgreeOnEveryPairOfCases) {
 
 TEST(Cases, TrianglesFaceAwayFromTheSolid) {
   for (int corner = 0; corner < 8; ++corner) {
-    const CellCase& cell = case_table()[static_cast<std::size_t>(1 << corner)];
+    const CellCase& cell = case_table()[1 << corner];
     ASSERT_EQ(cell.triangles, 1);
     double p[3][3];
     for (std::size_t v = 0; v < 3; ++v)

@@ -25,20 +25,24 @@ struct Cell {
   std::array<Vec3f, 12> positions;
 };
 
+/// Where a corner of the unit cell lies.
+Vec3d corner_at(int c) {
+  return {static_cast<double>(c & 1), static_cast<double>((c >> 1) & 1), static_cast<double>(c >> 2)};
+}
+
 Cell make_cell(const std::array<double, 8>& f) {
   Cell cell;
-  for (int c = 0; c < 8; ++c) cell.solid |= (f[static_cast<std::size_t>(c)] > 0) << c;
+  for (int c = 0; c < 8; ++c) cell.solid |= (f[c] > 0) << c;
   for (int e = 0; e < 12; ++e) {
     const int axis = e / 4, low = e & 1, high = (e >> 1) & 1;
     const int from = axis == 0 ? 2 * low + 4 * high : axis == 1 ? low + 4 * high : low + 2 * high;
-    const double a = f[static_cast<std::size_t>(from)], b = f[static_cast<std::size_t>(from + (1 << axis))];
+    const double a = f[from], b = f[from + (1 << axis)];
     const double t = std::clamp(a / (a - b), 1.0 / 128, 127.0 / 128);
-    Vec3d p{static_cast<double>(from & 1), static_cast<double>((from >> 1) & 1),
-            static_cast<double>(from >> 2)};
+    Vec3d p = corner_at(from);
     (axis == 0 ? p.x : axis == 1 ? p.y : p.z) += t;
-    cell.positions[static_cast<std::size_t>(e)] = to_float(p);
+    cell.positions[e] = to_float(p);
   }
-  const CellCase& c = case_table()[static_cast<std::size_t>(cell.solid)];
+  const CellCase& c = case_table()[cell.solid];
   cell.triangles.assign(c.edges.begin(), c.edges.begin() + 3 * c.triangles);
   return cell;
 }
@@ -110,9 +114,7 @@ std::array<double, 8> random_values(Random& random) {
   const Vec3d through{random.uniform(), random.uniform(), random.uniform()};
   std::array<double, 8> f{};
   for (int c = 0; c < 8; ++c) {
-    const Vec3d corner{static_cast<double>(c & 1), static_cast<double>((c >> 1) & 1),
-                       static_cast<double>(c >> 2)};
-    f[static_cast<std::size_t>(c)] = dot(normal, corner - through) + noise * random.uniform(-1, 1);
+    f[c] = dot(normal, corner_at(c) - through) + noise * random.uniform(-1, 1);
   }
   return f;
 }
@@ -124,7 +126,7 @@ TEST(Convex, NoOtherUnionLeavesFewerPieces) {
   for (int step = 0; step < 40000; ++step) {
     const Cell cell = make_cell(random_values(random));
     if (cell.triangles.empty()) continue;
-    seen[static_cast<std::size_t>(cell.solid)] = true;
+    seen[cell.solid] = true;
     const int merge = best_merge(cell.solid, cell.triangles.data(), cell.positions.data(), tolerance);
     const ConvexPieces& pieces = convex_pieces(cell.solid, merge);
     ASSERT_EQ(pieces.count, fewest(cell)) << cell.solid;

@@ -4,8 +4,8 @@
 
 #include <gmock/gmock.h>
 
-#include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
 
@@ -55,7 +55,7 @@ TEST(Dense, EllipsoidInAnOddlySizedGrid) {
 TEST(Dense, RandomSignsAreManifoldAtEverySize) {
   for (const Vec3i size :
        {Vec3i{2, 2, 2}, Vec3i{64, 5, 4}, Vec3i{65, 4, 5}, Vec3i{66, 3, 3}, Vec3i{129, 20, 9}}) {
-    Random random(7, static_cast<std::uint64_t>(size.x));
+    Random random(7, size.x);
     const Samples s(size.x, size.y, size.z, 1.0, [&](Vec3d) { return random.uniform(-1, 1); });
     mesh::Mesh mesh;
     polygonize_grid(s.grid, true, mesh);
@@ -84,7 +84,10 @@ TEST(Dense, ReusesItsOutput) {
 TEST(Dense, RefusesASlice) {
   const float samples[4] = {};
   mesh::Mesh mesh;
-  EXPECT_THROW(polygonize_grid({samples, 2, 2, 1, 1.0}, true, mesh), Error);
+  EXPECT_THAT(error_of([&] {
+                polygonize_grid({samples, 2, 2, 1, 1.0}, true, mesh);
+              }),
+              ::testing::HasSubstr("a grid of 2 x 2 x 1 samples cannot be meshed"));
 }
 
 }  // namespace

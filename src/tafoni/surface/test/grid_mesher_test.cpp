@@ -6,10 +6,11 @@
 #include <map>
 #include <set>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
 #include "tafoni/surface/dense_grid.h"
@@ -152,7 +153,7 @@ void expect_local_equals_full(Precision precision, const GridMesherSettings& set
   ScalarGrid grid = ground({{-7.3, 12.9, -4.4}, 0.6, {68, 40, 36}}, precision);
   GridMesher mesher(settings);
   mesher.update(grid, {});
-  Random random(11, static_cast<std::uint64_t>(precision));
+  Random random(11, precision);
   std::map<std::array<int, 3>, GridChunkPtr> held;
   const auto key = [](Vec3i c) { return std::array{c.x, c.y, c.z}; };
   for (Vec3i at : mesher.chunks()) held[key(at)] = mesher.chunk(at);
@@ -374,8 +375,12 @@ TEST(GridMesher, AfterACancelEverythingIsLookedAt) {
   const SampleBox changed = apply(grid, Tool::sphere({32, 32, 32}, 9), Edit::remove, amplitude);
   Progress cancelled;
   cancelled.cancel();
-  EXPECT_THROW(mesher.update(grid, {&changed, 1}, cancelled), Error);
-  EXPECT_THROW(mesher.assemble(), Error);
+  EXPECT_THAT(error_of([&] {
+                mesher.update(grid, {&changed, 1}, cancelled);
+              }),
+              ::testing::HasSubstr("cancelled"));
+  EXPECT_THAT(error_of([&] { mesher.assemble(); }),
+              ::testing::HasSubstr("cannot be assembled before an update()"));
   mesher.update(grid, {});
   expect_equal_to_full(mesher, grid, {});
 }
@@ -392,7 +397,10 @@ TEST(GridMesher, AnotherFrameBeginsAnew) {
 
 TEST(GridMesher, RefusesFramesTooFarFromZero) {
   GridMesher mesher;
-  EXPECT_THROW(mesher.update(ScalarGrid({{5e6, 0, 0}, 0.1, {8, 8, 8}}, 1), {}), Error);
+  EXPECT_THAT(error_of([&] {
+                mesher.update(ScalarGrid({{5e6, 0, 0}, 0.1, {8, 8, 8}}, 1), {});
+              }),
+              ::testing::HasSubstr("too far for single precision"));
 }
 
 }  // namespace

@@ -6,11 +6,12 @@
 #include <cstring>
 #include <memory>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/field/chunks.h"
 
 namespace tafoni::surface {
@@ -106,8 +107,8 @@ class Edited {
       return {clouds_.back().support};
     }
     if (what < 6) {
-      const auto at = static_cast<std::ptrdiff_t>(random_.below(clouds_.size()));
-      const Box3d box = clouds_[static_cast<std::size_t>(at)].support;
+      const std::ptrdiff_t at = random_.below(clouds_.size());
+      const Box3d box = clouds_[at].support;
       clouds_.erase(clouds_.begin() + at);
       return {box};
     }
@@ -273,7 +274,8 @@ TEST(Incremental, AChunkIsAMeshOfItsOwn) {
   IncrementalMesher mesher(settings);
   EXPECT_TRUE(mesher.chunks().empty());
   EXPECT_TRUE(mesher.chunk({0, 0, 0}).triangles.empty());
-  EXPECT_THROW(mesher.assemble(), Error);
+  EXPECT_THAT(error_of([&] { mesher.assemble(); }),
+              ::testing::HasSubstr("cannot be assembled before an update()"));
   mesher.update(field::compile(hills()), {});
   std::size_t triangles = 0;
   for (Vec3i at : mesher.chunks()) {
@@ -302,7 +304,8 @@ TEST(Incremental, AfterACancelTheNextUpdateLooksAtEverything) {
   const auto boxes = scene.edit();
   Progress cancelled;
   cancelled.cancel();
-  EXPECT_THROW(mesher.update(scene.field(), boxes, cancelled), Error);
+  EXPECT_THAT(error_of([&] { mesher.update(scene.field(), boxes, cancelled); }),
+              ::testing::HasSubstr("cancelled"));
   mesher.update(scene.field(), {});
   EXPECT_TRUE(same_mesh(mesher.assemble(), polygonize(scene.field(), settings)));
 }

@@ -6,9 +6,9 @@
 
 #include <gmock/gmock.h>
 
-#include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
 #include "tafoni/surface/test/analytic_source.h"
@@ -248,26 +248,34 @@ TEST(Polygonize, KeepsVerticesApartFarFromTheOrigin) {
       sphere(center, 150), solid(16.0, {center - Vec3d{170, 170, 170}, center + Vec3d{170, 170, 170}}));
   EXPECT_GT(mesh.triangles.size(), 500u);
   expect_closed(mesh);
-  EXPECT_THROW(mesh_of(sphere({4e6, 0, 0}, 10), solid(0.01, {{4e6 - 12, -12, -12}, {4e6 + 12, 12, 12}})),
-               Error);
+  EXPECT_THAT(error_of([&] {
+                mesh_of(sphere({4e6, 0, 0}, 10), solid(0.01, {{4e6 - 12, -12, -12}, {4e6 + 12, 12, 12}}));
+              }),
+              ::testing::HasSubstr("too far for single precision"));
 }
 
 TEST(Polygonize, RefusesWhatCannotBe) {
-  EXPECT_THROW(mesh_of(sphere({}, 1), solid(0, cube(2))), Error);
-  EXPECT_THROW(mesh_of(sphere({}, 1), solid(std::nan(""), cube(2))), Error);
-  EXPECT_THROW(mesh_of(sphere({}, 1), solid(1, cube(1e300))), Error);
+  EXPECT_THAT(error_of([&] { mesh_of(sphere({}, 1), solid(0, cube(2))); }),
+              ::testing::HasSubstr("a voxel of 0 m cannot be used"));
+  EXPECT_THAT(error_of([&] { mesh_of(sphere({}, 1), solid(std::nan(""), cube(2))); }),
+              ::testing::HasSubstr("a voxel of nan m cannot be used"));
+  EXPECT_THAT(error_of([&] { mesh_of(sphere({}, 1), solid(1, cube(1e300))); }),
+              ::testing::HasSubstr("has no end or is too large for a voxel of 1 m"));
   PolygonizeSettings settings = solid(1, cube(2));
   settings.tiles_x = 0;
-  EXPECT_THROW(mesh_of(sphere({}, 1), settings), Error);
+  EXPECT_THAT(error_of([&] { mesh_of(sphere({}, 1), settings); }),
+              ::testing::HasSubstr("0 x 1 tiles cannot be made"));
 }
 
 TEST(Polygonize, CanBeCancelled) {
   Progress progress;
   progress.cancel();
   const PolygonizeSettings settings = solid(1, cube(80));
-  EXPECT_THROW(
-      polygonize(test::analytic(sphere({}, 50), 1, settings.region), settings.region, settings, progress),
-      Error);
+  EXPECT_THAT(error_of([&] {
+                polygonize(test::analytic(sphere({}, 50), 1, settings.region), settings.region, settings,
+                           progress);
+              }),
+              ::testing::HasSubstr("cancelled"));
 }
 
 }  // namespace
