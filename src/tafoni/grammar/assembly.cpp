@@ -13,19 +13,19 @@
 namespace tafoni::grammar {
 namespace {
 
-constexpr double near_enough = 1e-3;             // metres between a bond and the surface it lies on
-constexpr double before = 0.05, behind = 0.005;  // metres in which there is space, and something
-constexpr int look_steps = 48;                   // in which a bond looks through the whole base
-constexpr int settle_steps = 64;                 // in which a bond looks for the surface that has moved
-constexpr int halvings = 40;                     // until the surface is found to the last bit that matters
-constexpr double straight = 0.999;               // cosine from which a bond counts as looking straight along
-constexpr double opposite = 1e-9;                // how little two opposite directions differ
+constexpr double near_enough = 1e-3;  // metres between a bond and the surface it lies on
+constexpr double space_before = 0.05, body_behind = 0.005;  // metres in which there is space, and something
+constexpr int look_steps = 48;                              // in which a bond looks through the whole base
+constexpr int settle_steps = 64;    // in which a bond looks for the surface that has moved
+constexpr int halvings = 40;        // until the surface is found to the last bit that matters
+constexpr double straight = 0.999;  // cosine from which a bond counts as looking straight along
+constexpr double opposite = 1e-9;   // how little two opposite directions differ
 
 /// Whether a bond lies on the surface, with free space before it and something behind.
 bool is_free(const field::CompiledField& base, const Bond& bond) {
   return std::abs(base.value(bond.point)) < static_cast<float>(near_enough) &&
-         (bond.direction == Vec3d{} || (base.value(bond.point + bond.direction * before) < 0 &&
-                                        base.value(bond.point - bond.direction * behind) > 0));
+         (bond.direction == Vec3d{} || (base.value(bond.point + bond.direction * space_before) < 0 &&
+                                        base.value(bond.point - bond.direction * body_behind) > 0));
 }
 
 /// Whether a bond looks along L_B, within 45 degrees.

@@ -51,11 +51,10 @@ const ParamTable<Canyon>& table() {
         .real("sides", &Canyon::sides, "1/km", 0, 40,
               "Side canyons per km of river, as far as there is room; 0 for none")
         .real("side_length", &Canyon::side_length, "m", 10, 20000,
-              "Mean length of a side canyon; long ones keep farther apart")
-        .only("where sides is above 0")
+              "Mean length of a side canyon; branches have a share of it, and long ones keep farther apart")
+        .only("where sides or branches is above 0")
         .real("branches", &Canyon::branches, "1/km", 0, 40,
-              "Branches per km of side canyon, as far as there is room; 0 for none")
-        .only("where sides is above 0")
+              "Short canyons per km of river and of side canyon, as far as there is room; 0 for none")
         .real("domes", &Canyon::domes, "m", 0, 500, "Height of the domes on the mesa; 0 for a level top")
         .real("roughness", &Canyon::roughness, "", 0, 4,
               "Strength of small relief: 0 for smooth walls, 4 for ragged ones");
