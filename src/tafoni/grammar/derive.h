@@ -1,5 +1,5 @@
 #pragma once
-// The grammar of caves. Assemblies from the document's six parameters, by a table of rules or at random
+// The grammar of caves. Assemblies from the paper's six parameters, by a table of rules or at random
 // [Zawadzki §3].
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct Settings {
   std::vector<double> spread = {0.6, 1.4};  ///< least and greatest half width, as multiples of the size
   double flat = 1;                          ///< heights as a share of widths
   double overlap = 0.2;  ///< share of its extent by which an added shape is pushed into the base; 0: none, as
-                         ///< in the document
+                         ///< in [Zawadzki]
   double branches = 0.2;                         ///< share of productions that do not continue the last part
   double differences = 0.15, intersections = 0;  ///< shares of the classic productions that follow the first
   bool turn = true;                              ///< shapes may be turned to make a label

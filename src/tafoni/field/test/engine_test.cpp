@@ -127,7 +127,8 @@ TEST(Engine, OrderOfAddingAndThreadsDoNotMatter) {
   EXPECT_EQ(a, b);
 }
 
-/// DESIGN section 6 in double: f = min(f_T, f_P) + sum of energy g, vertical distance, bilinear heights.
+/// The definition [Paris19 §5.1, §5.2] in double: f = min(f_T, f_P) + sum of energy g, vertical distance,
+/// bilinear heights.
 TEST(Engine, AgreesWithTheDefinitionInDouble) {
   const double R = 15, T = 7.5;
   const auto heights = hills(40, 5, 12, 3);

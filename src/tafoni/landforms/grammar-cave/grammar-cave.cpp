@@ -311,7 +311,7 @@ const LandformType& landform_grammar_cave() {
       .about = {.name = "grammar-cave",
                 .doc =
                     "Caves of a shape grammar with morphing: solids joined, cut and morphed by productions",
-                .source = "Zawadzki et al., Hybrid of Shape Grammar and Morphing [Zawadzki]",
+                .source = "[Zawadzki]",
                 .params = table().infos()},
       .generate = &generate,
   };

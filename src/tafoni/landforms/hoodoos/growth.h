@@ -1,6 +1,6 @@
 #pragma once
 // How hoodoos grow: an open parameterized grammar of solids [Paris19 §6.3]. Rules are rows of text; symbols
-// see the rock and the ground where they stand while they grow (Mech and Prusinkiewicz 1996).
+// see the rock and the ground where they stand while they grow [Mech96].
 
 #include <array>
 #include <string>

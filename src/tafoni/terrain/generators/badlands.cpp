@@ -179,7 +179,7 @@ class Builder {
     return out;
   }
 
-  /// One step of dz/dt = -K sqrt(A) S, implicit (Braun & Willett 2013), on the filled surface.
+  /// One step of dz/dt = -K sqrt(A) S, implicit [Braun13], on the filled surface.
   void incise(raster::Raster& heights) const {
     heights.values = fill_depressions(heights);
     auto& z = heights.values;
@@ -302,7 +302,7 @@ const GeneratorType& generator_badlands() {
   static const GeneratorType type{
       .about = {.name = "badlands",
                 .doc = "An amphitheatre of fins, gullies and ledges below the rim of a plateau",
-                .source = "stream power incision (Braun & Willett 2013) of a bowl, with hard and soft beds",
+                .source = "stream power incision [Braun13] of a bowl, with hard and soft beds",
                 .params = table()},
       .generate = &generate,
   };

@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// The document's words: the least of distance - radius over many points of the axis.
+/// In the words of [Ju01 §3]: the least of distance - radius over many points of the axis.
 double by_points(const Tunnel& tunnel, Vec3d p) {
   double least = 1e9;
   for (std::size_t i = 0; i + 1 < tunnel.axis.size(); ++i)
