@@ -103,9 +103,8 @@ void chunk(benchmark::State& state, bool bicubic) {
   heights->placement = {.west = -32, .north = 96, .dx = 2, .dy = 2};
   field::CloudBuilder cloud(field::CloudSettings{});
   for (Vec3d p : random_points(state.range(0), {{0, 0, 28}, {64, 64, 36}})) field::add_point(cloud, p, 5, -1);
-  const field::TerrainSettings settings{.bicubic = bicubic, .first_order = bicubic};
-  const auto field =
-      field::compile(field::combine("blend", {field::heightfield(heights, settings), cloud.finish()}));
+  const field::HeightfieldSettings settings{.bicubic = bicubic, .first_order = bicubic};
+  const auto field = field::compile(field::blend({field::heightfield(heights, settings), cloud.finish()}));
   field::ChunkEvaluator evaluator(field, 1.0);
   field::ChunkSamples samples;
   std::int64_t evaluated = 0;

@@ -150,8 +150,7 @@ Meshed plain(const scene::BuiltScene& scene) {
 std::int64_t strokes(const scene::BuiltScene& scene) {
   std::int64_t total = 0;
   for (const auto& layer : scene.layers)
-    for (const auto& [name, value] : layer.made.report)
-      if (name == "strokes") total += std::get<std::int64_t>(value);
+    if (const auto* strokes = layer.made.facts.find<std::int64_t>("strokes")) total += *strokes;
   return total;
 }
 

@@ -40,7 +40,7 @@ struct Result {
   std::function<field::NodePtr(field::NodePtr)> reshape;
   Box3d reshaped;  ///< local; outside of it reshape() changes no value. Empty: nothing reshaped
   std::vector<field::NodePtr> nodes;  ///< blended, in this order
-  Facts facts;  ///< what reports tell of it
+  Facts facts;                        ///< what reports tell of it
 };
 
 /// The tree with the landform on it.

@@ -39,7 +39,7 @@ struct Ball {
   field::NodePtr node() const {
     field::CloudBuilder cloud({});
     field::add_point(cloud, {0, 0, 0}, radius, energy);
-    return field::combine("blend", {field::constant(-1), cloud.finish()});
+    return field::blend({field::constant(-1), cloud.finish()});
   }
   double value(double r) const { return energy * std::pow(1 - r * r / (radius * radius), 3) - 1; }
   double slope(double r) const {
@@ -52,7 +52,7 @@ constexpr Ball ball{10, 4}, hole{5, 3};
 constexpr double voxel = 0.25;
 
 field::CompiledField hollow_ball() {
-  return field::compile(field::combine("difference", {ball.node(), hole.node()}));
+  return field::compile(field::subtract(ball.node(), hole.node()));
 }
 
 void ask(const field::CompiledField& rock) {

@@ -52,11 +52,11 @@ TEST(Random, BelowStaysBelow) {
   std::array<int, 7> bins{};
   for (int i = 0; i < 70000; ++i) {
     const auto v = random.below(7);
-    ASSERT_LT(v, 7);
+    ASSERT_LT(v, 7u);
     ++bins[v];
   }
   for (int count : bins) EXPECT_NEAR(count, 10000, 500);
-  EXPECT_EQ(random.below(1), 0);
+  EXPECT_EQ(random.below(1), 0u);
 }
 
 TEST(Random, OneBitOfTheSeedChangesHalfTheBits) {

@@ -1,6 +1,6 @@
 // Canyons: rivers found by their stream power attack the walls that floods reach; rows of negative points
-// follow the stress into the rock, deepest where it is soft and where the river runs against it [Paris19
-// §6.1]. The strongest rivers may run in slot canyons.
+// follow the stress into the rock, deepest where it is soft and where the river runs against it
+// [Paris19 §6.1]. The strongest rivers may run in slot canyons.
 
 #include <algorithm>
 #include <cmath>

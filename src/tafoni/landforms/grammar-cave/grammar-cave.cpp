@@ -11,7 +11,6 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
-#include "tafoni/field/round.h"
 #include "tafoni/grammar/derive.h"
 #include "tafoni/landforms/grammar-cave/cave_body.h"
 #include "tafoni/landforms/grammar-cave/cave_floor.h"
@@ -175,10 +174,9 @@ class Cave {
     result.facts.places("entrances", {mouth->at}).places("route", way_.route);
     const bool cast = p_.mode == "cast";
     result.reshape = [cast, rock = walls(box), floor = floors(), lip = lip()](const field::NodePtr& tree) {
-      field::NodePtr carved =
-          lip > 0 ? field::round_edge(tree, rock, lip) : field::combine("intersection", {tree, rock});
-      if (floor) carved = field::combine("union", {carved, field::combine("intersection", {tree, floor})});
-      return cast ? field::combine("difference", {tree, carved}) : carved;
+      field::NodePtr carved = lip > 0 ? field::round_edge(tree, rock, lip) : field::intersect({tree, rock});
+      if (floor) carved = field::unite({carved, field::intersect({tree, floor})});
+      return cast ? field::subtract(tree, carved) : carved;
     };
     result.reshaped = cast ? Box3d::everything() : around(box);
     return result;
@@ -254,11 +252,9 @@ class Cave {
     if (site_.geology && wear() > 0)
       rock = field::erode(std::move(rock), nullptr, geology::as_function(site_.geology), wear());
     if (!way_.stretches.empty())
-      rock = field::combine("difference",
-                            {std::move(rock), field::function(room_of(way_.stretches, way_settings_))});
+      rock = field::subtract(std::move(rock), field::function(room_of(way_.stretches, way_settings_)));
     // So that nothing changes far beyond the box, whatever warps and geology say there.
-    return field::combine("union",
-                          {std::move(rock), field::function(impl::outside_of(box.grown(p_.size), steep))});
+    return field::unite({std::move(rock), field::function(impl::outside_of(box.grown(p_.size), steep))});
   }
 
   /// The sediment in it; null for none.

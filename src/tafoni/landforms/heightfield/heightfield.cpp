@@ -103,7 +103,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
     return result;
   }
   const auto heights = second_model(site, p, progress);
-  field::TerrainSettings settings;
+  field::HeightfieldSettings settings;
   settings.influence = site.influence;
   settings.amplitude = site.amplitude;
   const auto low = std::min_element(heights->values.values().begin(), heights->values.values().end());

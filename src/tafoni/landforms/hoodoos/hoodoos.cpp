@@ -179,7 +179,7 @@ class Hoodoos {
       primitives += builder.size();
       solids.push_back(builder.finish());
     }
-    if (!solids.empty()) result.nodes.push_back(crease(field::combine("blend", std::move(solids))));
+    if (!solids.empty()) result.nodes.push_back(crease(field::blend(std::move(solids))));
     result.facts.count("hoodoos", std::ssize(feet))
         .count("primitives", primitives)
         .length("greatest_height", highest)

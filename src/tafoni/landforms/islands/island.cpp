@@ -77,17 +77,16 @@ class Shape {
         under->values.at(col, row) =
             static_cast<float>(std::min(under_at(col, row, in), z - thinnest * island_.size));
       }
-    field::TerrainSettings settings;
+    field::HeightfieldSettings settings;
     settings.influence = reach();
     settings.amplitude = ground_.site().amplitude;
     steepest_ = 1.5 * std::max(steepest_slope(*top), steepest_slope(*under));
     lowest_ = *std::min_element(under->values.values().begin(), under->values.values().end());
     highest_ = *std::max_element(top->values.values().begin(), top->values.values().end());
     const field::Domain prism{box(), inside_};
-    return field::combine("intersection",
-                          {field::combine("difference", {field::heightfield(top, settings),
-                                                         field::heightfield(under, settings)}),
-                           field::domain(prism, settings)});
+    return field::intersect(
+        {field::subtract(field::heightfield(top, settings), field::heightfield(under, settings)),
+         field::domain(prism, settings)});
   }
 
   /// Encloses the rock.

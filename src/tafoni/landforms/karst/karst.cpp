@@ -140,7 +140,7 @@ Result make(const Site& site, const Params& p, Progress& progress) {
   const field::NodePtr node = impl::carve_passages(caves, ground, size, p, seed);
   if (!node) return result;
 
-  const auto carved = field::compile(field::combine("blend", {site.terrain, node}));
+  const auto carved = field::compile(field::blend({site.terrain, node}));
   result.facts = facts_of(ground, caves, node, impl::open_networks(carved, caves));
   result.nodes.push_back(node);
   return result;

@@ -83,9 +83,6 @@ inline std::vector<float> values(const field::CompiledField& field, const std::v
 template <class T>
 T fact(const Result& result, std::string_view name) {
   if (const T* told = result.facts.find<T>(name)) return *told;
-  if constexpr (!std::is_same_v<T, Places>)
-    for (const auto& [key, value] : result.report)
-      if (key == name) return std::get<T>(value);
   throw std::runtime_error("no such fact");
 }
 

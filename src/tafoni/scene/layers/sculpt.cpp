@@ -38,9 +38,8 @@ landforms::Result place(const Keyed<std::shared_ptr<const impl::Sculpted>>& scul
     if (settle) {
       const auto limit = static_cast<float>(amplitude);
       out.reshape = [limit](field::NodePtr below) {
-        return field::combine(
-            "intersection",
-            {field::combine("union", {std::move(below), field::constant(-limit)}), field::constant(limit)});
+        return field::intersect(
+            {field::unite({std::move(below), field::constant(-limit)}), field::constant(limit)});
       };
       out.reshaped = Box3d::everything();
     }

@@ -133,13 +133,13 @@ landforms::Result make(const impl::LayerParts& parts, impl::Readers& readers) {
     out.reshaped = Box3d::everything();
   } else if (p.mode == "intersection") {
     out.reshape = [own = leaf({})](field::NodePtr below) {
-      return field::combine("intersection", {std::move(below), own});
+      return field::intersect({std::move(below), own});
     };
     out.reshaped = Box3d::everything();
   } else if (p.mode == "insert") {
     // max(f, v) is at least v, and the least of that and v is v; beyond the box neither changes f.
     out.reshape = [low = leaf(-far_away), high = leaf(far_away)](field::NodePtr below) {
-      return field::combine("intersection", {field::combine("union", {std::move(below), low}), high});
+      return field::intersect({field::unite({std::move(below), low}), high});
     };
   } else {
     const char* op = p.mode == "union" ? "union" : "difference";

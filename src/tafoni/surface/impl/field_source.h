@@ -3,7 +3,6 @@
 
 #include "tafoni/field/chunks.h"
 #include "tafoni/surface/sample_source.h"
-#include "tafoni/surface/source.h"
 
 namespace tafoni::surface::impl {
 

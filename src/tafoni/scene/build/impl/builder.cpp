@@ -6,18 +6,6 @@
 #include <utility>
 
 #include "tafoni/core/error.h"
-#include "tafoni/core/random.h"
-#include "tafoni/geology/kind.h"
-#include "tafoni/io/csv.h"
-#include "tafoni/io/dem.h"
-#include "tafoni/io/format.h"
-#include "tafoni/io/vector.h"
-#include "tafoni/landforms/landform.h"
-#include "tafoni/raster/resample.h"
-#include "tafoni/scene/layers/impl/primitives_layer.h"
-#include "tafoni/scene/layers/impl/volume_layer.h"
-#include "tafoni/scene/sculpt/journal.h"
-#include "tafoni/terrain/generator.h"
 
 namespace tafoni::scene::impl {
 namespace {
@@ -89,7 +77,7 @@ Built Builder::build(const Document& document, const SlotSource& slots, Progress
   scene.geology = below.geology;
   scene.layers = std::move(stage.results);
   scene.open = below.open;
-  scene.solid = field::combine("intersection", {below.open, stage.ground.value.domain});
+  scene.solid = field::intersect({below.open, stage.ground.value.domain});
   scene.seconds = std::move(stage.seconds);
   return {std::make_shared<BuiltScene>(std::move(scene)), stage.ground.key, std::move(stage.layers)};
 }

@@ -10,6 +10,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/geology/kind.h"
 #include "tafoni/io/dem.h"
+#include "tafoni/io/format.h"
 #include "tafoni/io/vector.h"
 #include "tafoni/raster/resample.h"
 #include "tafoni/scene/build/impl/volume_heights.h"

@@ -12,7 +12,7 @@
 #include "tafoni/core/progress.h"
 #include "tafoni/field/tree.h"
 #include "tafoni/geology/geology.h"
-#include "tafoni/io/format.h"
+#include "tafoni/io/volume_file.h"
 #include "tafoni/raster/grid.h"
 #include "tafoni/scene/build/impl/memo.h"
 #include "tafoni/scene/document/document.h"
@@ -53,7 +53,7 @@ RasterPtr make_elevations(const TerrainSection& words, const std::uint64_t& seed
 
 struct Ground {
   terrain::Terrain terrain;
-  field::TerrainSettings settings;
+  field::HeightfieldSettings settings;
   field::NodePtr open, domain;
 };
 Ground make_ground(const Keyed<RasterPtr>& elevations, const TerrainSection& words, const double& voxel,

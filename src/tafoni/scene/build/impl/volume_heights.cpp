@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tafoni/core/parallel.h"
+#include "tafoni/io/volume_file.h"
 #include "tafoni/volume/scalar_grid.h"
 
 namespace tafoni::scene::impl {

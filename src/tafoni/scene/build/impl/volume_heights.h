@@ -1,7 +1,7 @@
 #pragma once
 // The upper surface of a volume, for scenes that take a volume as their terrain.
 
-#include "tafoni/io/format.h"
+#include "tafoni/io/volume_file.h"
 #include "tafoni/raster/grid.h"
 
 namespace tafoni::scene::impl {

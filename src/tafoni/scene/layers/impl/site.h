@@ -20,7 +20,7 @@ namespace tafoni::scene::impl {
 /// What the scene has come to before a layer.
 struct Below {
   terrain::Terrain terrain;
-  field::TerrainSettings settings;
+  field::HeightfieldSettings settings;
   geology::GeologyPtr geology;
   field::NodePtr open;  ///< without the domain, whose walls are no cliffs
 };

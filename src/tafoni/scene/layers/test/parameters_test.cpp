@@ -11,7 +11,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/test_folder.h"
 #include "tafoni/field/primitive.h"
-#include "tafoni/io/format.h"
+#include "tafoni/io/volume_file.h"
 #include "tafoni/scene/build/build.h"
 #include "tafoni/scene/layers/layer.h"
 #include "tafoni/scene/sculpt/brush.h"

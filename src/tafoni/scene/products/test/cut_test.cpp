@@ -11,7 +11,6 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/test/errors.h"
 #include "tafoni/render/inner/palette.h"
-#include "tafoni/render/palette.h"
 
 namespace tafoni::scene {
 namespace {
