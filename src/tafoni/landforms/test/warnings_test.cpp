@@ -109,7 +109,7 @@ TEST(Refusals, OfWhatIsUpsideDown) {
   EXPECT_THAT(refusal("prism-field", {{"radius", std::vector<double>{9, 3}}}),
               HasSubstr("radius = [9, 3] must not begin with the greater one"));
   EXPECT_THAT(refusal("grammar-cave", {{"solids", std::string("cube shpere")}}),
-              HasSubstr("unknown solid \"shpere\"; did you mean \"sphere\"?"));
+              HasSubstr("there is no solid \"shpere\"; did you mean \"sphere\"?"));
   EXPECT_THAT(refusal("grammar-cave", {{"size", 0.001}}),
               HasSubstr("size = 0.001 is outside 0.05 to 1000 m"));
 }
