@@ -39,11 +39,9 @@ class Random {
   /// Uniform in [0, 1), 53 bits.
   constexpr double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
   constexpr double uniform(double lo, double hi) { return lo + (hi - lo) * uniform(); }
-  /// Uniform in [0, n), n > 0, of n's own type, without modulo bias worth naming for n < 2^32.
-  template <class Int>
-  requires std::is_integral_v<Int>
-  constexpr Int below(Int n) {
-    return static_cast<Int>((static_cast<unsigned __int128>(next()) * static_cast<std::uint64_t>(n)) >> 64);
+  /// Uniform in [0, n), n > 0, without modulo bias worth naming for n < 2^32.
+  constexpr std::uint64_t below(std::uint64_t n) {
+    return static_cast<std::uint64_t>((static_cast<unsigned __int128>(next()) * n) >> 64);
   }
   /// The value at a given index, whatever was drawn before.
   constexpr std::uint64_t at(std::uint64_t index) const { return mix64(key_ ^ mix64(index)); }
