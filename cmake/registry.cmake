@@ -18,8 +18,8 @@ function(tafoni_entries out kind)
   set(${out} ${names} PARENT_SCOPE)
 endfunction()
 
-# One file per entry defines `const TYPE& KIND_<name>()` ('-' in the file name reads '_'). The files themselves
-# belong to TARGET already. Writes a table of every entry, sorted by name, so that adding an entry edits no
+# One file per entry defines `const TYPE& declaration()` in the namespace NS::KIND_<name> ('-' in the file name
+# reads '_'), which makes the names in it its own. The files themselves belong to TARGET already. Writes a table of every entry, sorted by name, so that adding an entry edits no
 # other file. DIR may be a list of folders.
 # The table is all_<kind>s(), or all_<PLURAL>() where a seventh argument gives the plural.
 # (Objects that register themselves from a static initialiser are dropped by a static library.)
@@ -33,8 +33,8 @@ function(tafoni_registry target kind dir header ns type)
   set(entries "")
   foreach(name IN LISTS names)
     string(REPLACE "-" "_" id ${name})
-    string(APPEND declarations "const ${type}& ${kind}_${id}();\n")
-    string(APPEND entries "    &${kind}_${id}(),\n")
+    string(APPEND declarations "namespace ${kind}_${id} {\nconst ${type}& declaration();\n}\n")
+    string(APPEND entries "    &${kind}_${id}::declaration(),\n")
   endforeach()
   set(generated ${CMAKE_BINARY_DIR}/generated/${kind}_registry.cpp)
   file(CONFIGURE OUTPUT ${generated} CONTENT "// Written by cmake/registry.cmake.

@@ -7,7 +7,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/geology/kind.h"
 
-namespace tafoni::cli {
+namespace tafoni::cli::command_amplify {
 namespace {
 
 struct Amplify {
@@ -58,7 +58,7 @@ std::function<int(Console&)> setup(Args& args) {
 
 }  // namespace
 
-const Command& command_amplify() {
+const Command& declaration() {
   static const Command command{
       .about = {.name = "amplify", .doc = "Turn an elevation model into a 3D terrain mesh"},
       .examples =
@@ -69,4 +69,4 @@ const Command& command_amplify() {
   return command;
 }
 
-}  // namespace tafoni::cli
+}  // namespace tafoni::cli::command_amplify

@@ -3,7 +3,7 @@
 #include "command.h"
 #include "scene_run.h"
 
-namespace tafoni::cli {
+namespace tafoni::cli::command_build {
 namespace {
 
 std::function<int(Console&)> setup(Args& args) {
@@ -26,7 +26,7 @@ std::function<int(Console&)> setup(Args& args) {
 
 }  // namespace
 
-const Command& command_build() {
+const Command& declaration() {
   static const Command command{
       .about = {.name = "build",
                 .doc = "Build a scene file, an elevation model or a volume into meshes and volumes"},
@@ -40,4 +40,4 @@ const Command& command_build() {
   return command;
 }
 
-}  // namespace tafoni::cli
+}  // namespace tafoni::cli::command_build

@@ -9,7 +9,7 @@
 #include "tafoni/io/dem.h"
 #include "tafoni/terrain/generator.h"
 
-namespace tafoni::cli {
+namespace tafoni::cli::command_generate {
 namespace {
 
 struct Generate {
@@ -60,7 +60,7 @@ std::function<int(Console&)> setup(Args& args) {
 
 }  // namespace
 
-const Command& command_generate() {
+const Command& declaration() {
   static const Command command{
       .about = {.name = "generate", .doc = "Make an elevation model to start from"},
       .examples = "  tafoni generate coast -o coast.tif --seed 3",
@@ -69,4 +69,4 @@ const Command& command_generate() {
   return command;
 }
 
-}  // namespace tafoni::cli
+}  // namespace tafoni::cli::command_generate

@@ -10,7 +10,7 @@
 #include "tafoni/io/format.h"
 #include "tafoni/io/volume_file.h"
 
-namespace tafoni::cli {
+namespace tafoni::cli::command_info {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -220,7 +220,7 @@ std::function<int(Console&)> setup(Args& args) {
 
 }  // namespace
 
-const Command& command_info() {
+const Command& declaration() {
   static const Command command{
       .about = {.name = "info",
                 .doc = "Tell what an elevation model, a volume or a scene holds, and what would be fixed"},
@@ -230,4 +230,4 @@ const Command& command_info() {
   return command;
 }
 
-}  // namespace tafoni::cli
+}  // namespace tafoni::cli::command_info

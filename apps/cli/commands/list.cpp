@@ -8,7 +8,7 @@
 
 #include "tafoni/core/registry.h"
 
-namespace tafoni::cli {
+namespace tafoni::cli::command_list {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -80,7 +80,7 @@ std::function<int(Console&)> setup(Args& args) {
 
 }  // namespace
 
-const Command& command_list() {
+const Command& declaration() {
   static const Command command{
       .about = {.name = "list", .doc = "List what the program knows, with every parameter"},
       .examples =
@@ -91,4 +91,4 @@ const Command& command_list() {
   return command;
 }
 
-}  // namespace tafoni::cli
+}  // namespace tafoni::cli::command_list

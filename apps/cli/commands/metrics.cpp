@@ -16,7 +16,7 @@
 #include "tafoni/scene/products/mesh_scene.h"
 #include "tafoni/scene/products/sgm.h"
 
-namespace tafoni::cli {
+namespace tafoni::cli::command_metrics {
 namespace {
 
 nlohmann::ordered_json json_of(const mesh::MeshMetrics& m) {
@@ -221,7 +221,7 @@ std::function<int(Console&)> setup(Args& args) {
 
 }  // namespace
 
-const Command& command_metrics() {
+const Command& declaration() {
   static const Command command{
       .about = {.name = "metrics", .doc = "Measure a mesh or a volume: area, volume, genus, bounds, edges"},
       .examples =
@@ -232,4 +232,4 @@ const Command& command_metrics() {
   return command;
 }
 
-}  // namespace tafoni::cli
+}  // namespace tafoni::cli::command_metrics

@@ -14,7 +14,7 @@
 #include "tafoni/core/parallel.h"
 #include "tafoni/io/csv.h"
 
-namespace tafoni::cli {
+namespace tafoni::cli::command_query {
 namespace {
 
 struct Query {
@@ -182,7 +182,7 @@ std::function<int(Console&)> setup(Args& args) {
 
 }  // namespace
 
-const Command& command_query() {
+const Command& declaration() {
   static const Command command{
       .about = {.name = "query",
                 .doc = "Ask the field at points (f > 0 is rock, f < 0 air, metres near the "
@@ -197,4 +197,4 @@ const Command& command_query() {
   return command;
 }
 
-}  // namespace tafoni::cli
+}  // namespace tafoni::cli::command_query

@@ -17,7 +17,7 @@
 #include "tafoni/scene/products/cut.h"
 #include "tafoni/scene/products/mesh_scene.h"
 
-namespace tafoni::cli {
+namespace tafoni::cli::command_render {
 namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
@@ -148,7 +148,7 @@ std::function<int(Console&)> setup(Args& args) {
 
 }  // namespace
 
-const Command& command_render() {
+const Command& declaration() {
   static const Command command{
       .about = {.name = "render", .doc = "Make a picture of a scene or a mesh"},
       .examples =
@@ -161,4 +161,4 @@ const Command& command_render() {
   return command;
 }
 
-}  // namespace tafoni::cli
+}  // namespace tafoni::cli::command_render

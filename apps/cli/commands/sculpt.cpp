@@ -12,7 +12,7 @@
 #include "tafoni/io/csv.h"
 #include "tafoni/scene/session.h"
 
-namespace tafoni::cli {
+namespace tafoni::cli::command_sculpt {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -132,7 +132,7 @@ std::function<int(Console&)> setup(Args& args) {
 
 }  // namespace
 
-const Command& command_sculpt() {
+const Command& declaration() {
   static const Command command{
       .about = {.name = "sculpt", .doc = "Add strokes to a scene, or take them back"},
       .examples =
@@ -144,4 +144,4 @@ const Command& command_sculpt() {
   return command;
 }
 
-}  // namespace tafoni::cli
+}  // namespace tafoni::cli::command_sculpt

@@ -10,7 +10,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/io/mesh_file.h"
 
-namespace tafoni::cli {
+namespace tafoni::cli::command_validate {
 namespace {
 
 using Rows = std::vector<std::pair<const char*, std::uint64_t>>;
@@ -74,7 +74,7 @@ std::function<int(Console&)> setup(Args& args) {
 
 }  // namespace
 
-const Command& command_validate() {
+const Command& declaration() {
   static const Command command{
       .about = {.name = "validate",
                 .doc =
@@ -85,4 +85,4 @@ const Command& command_validate() {
   return command;
 }
 
-}  // namespace tafoni::cli
+}  // namespace tafoni::cli::command_validate

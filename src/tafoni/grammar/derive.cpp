@@ -10,9 +10,9 @@
 namespace tafoni::grammar {
 namespace {
 
-enum class Stream : std::uint64_t { productions = 0x5364 };
+enum class DeriveStream : std::uint64_t { productions = 0x5364 };
 
-constexpr int tries = 20;               // shapes drawn for one production before it is dropped
+constexpr int shape_draws = 20;         // shapes drawn for one production before it is dropped
 constexpr double least_overlap = 0.25;  // of the solids of one shape, so that it holds together
 constexpr double cut_sink = 0.5;        // how far a shape that takes away is pushed in: to its middle
 
@@ -21,7 +21,7 @@ class Generator {
   explicit Generator(const Settings& settings)
       : settings_(settings),
         direction_(direction_of(settings.direction)),
-        random_(settings.seed, Stream::productions) {
+        random_(settings.seed, DeriveStream::productions) {
     if (settings.solids.empty()) fail(ErrorKind::usage, "a grammar needs the name of one solid at least");
     for (const std::string& name : settings.solids) find_solid(name);
   }
@@ -32,9 +32,9 @@ class Generator {
     progress.begin("productions", order.size(), "productions");
     for (std::size_t k = 0; k < order.size(); ++k) {
       progress.check();
-      for (int i = 0; i < tries; ++i) {
+      for (int i = 0; i < shape_draws; ++i) {
         // What finds nothing to take away from adds instead, so that P_C is kept.
-        const bool given_up = i >= tries / 2 && order[k] != Operation::morph;
+        const bool given_up = i >= shape_draws / 2 && order[k] != Operation::morph;
         Production how = production(given_up ? Operation::sum : order[k], base);
         if (first) how.direction = {};
         const Assembly before = base;

@@ -10,7 +10,7 @@
 namespace tafoni::grammar {
 namespace {
 
-enum class Stream : std::uint64_t { rules = 0x5275 };
+enum class RulesStream : std::uint64_t { rules = 0x5275 };
 
 // What nobody means, and what would never end.
 constexpr double least_size = 1e-3, greatest_size = 1e4;  // multiples of the layer's size
@@ -18,7 +18,7 @@ constexpr int deepest = 8;                                // shapes made of shap
 constexpr int most_idle = 10000;                          // empty shapes in all
 constexpr int most_stored = 256;                          // productions of one shape
 constexpr std::size_t most_open = 100000;                 // symbols that wait
-constexpr int tries = 4;                                  // sizes drawn for a production before it is dropped
+constexpr int size_draws = 4;                             // sizes drawn for a production before it is dropped
 
 struct Range {
   double lo = 1, hi = 1;
@@ -87,7 +87,7 @@ Rule rule(const Row& row, std::size_t number_of_row, const Settings& settings) {
 class Rewriting {
  public:
   Rewriting(const Rows& rows, const Settings& settings, Progress& progress)
-      : settings_(settings), progress_(progress), random_(settings.seed, Stream::rules) {
+      : settings_(settings), progress_(progress), random_(settings.seed, RulesStream::rules) {
     for (std::size_t i = 0; i < rows.size(); ++i) rules_.push_back(rule(rows[i], i, settings));
     for (const Rule& r : rules_) {
       for (const std::string& symbol : r.next)
@@ -200,7 +200,7 @@ class Rewriting {
 
   bool place(Assembly& base, const Rule& r, const Production& how, const Assembly::Accept& accept,
              int depth) {
-    for (int i = 0; i < tries; ++i)
+    for (int i = 0; i < size_draws; ++i)
       if (base.produce(shape(r, depth), how, random_, accept)) return true;
     return false;
   }

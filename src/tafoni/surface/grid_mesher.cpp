@@ -30,7 +30,7 @@ bool voxel_before(Vec3i a, Vec3i b) {
 }
 
 /// A chunk to be made anew, and which samples may have changed.
-struct Job {
+struct ChunkJob {
   Vec3i chunk;
   SampleBox changed;
   GridChunkState* state = nullptr;
@@ -76,14 +76,14 @@ struct GridMesher::State {
   std::vector<std::unique_ptr<GridChunkMaker>> idle;
   GridChunkPtr nothing = std::make_shared<GridChunkMesh>();
 
-  std::vector<Job> jobs(const volume::ScalarGrid& grid, std::span<const SampleBox> boxes) const;
-  void make(const volume::ScalarGrid& grid, Job& job);
+  std::vector<ChunkJob> jobs(const volume::ScalarGrid& grid, std::span<const SampleBox> boxes) const;
+  void make(const volume::ScalarGrid& grid, ChunkJob& job);
 };
 
 /// The chunks that the boxes touch, with surface or where some may be, in order.
-std::vector<Job> GridMesher::State::jobs(const volume::ScalarGrid& grid,
-                                         std::span<const SampleBox> boxes) const {
-  std::vector<Job> out;
+std::vector<ChunkJob> GridMesher::State::jobs(const volume::ScalarGrid& grid,
+                                              std::span<const SampleBox> boxes) const {
+  std::vector<ChunkJob> out;
   for (const SampleBox& box : boxes) {
     const auto [first, last] = layout->touched(box);
     for (int b = first.y; b <= last.y; ++b)
@@ -93,9 +93,9 @@ std::vector<Job> GridMesher::State::jobs(const volume::ScalarGrid& grid,
             out.push_back({{a, b, c}, box});
   }
   std::stable_sort(out.begin(), out.end(),
-                   [](const Job& a, const Job& b) { return before(a.chunk, b.chunk); });
+                   [](const ChunkJob& a, const ChunkJob& b) { return before(a.chunk, b.chunk); });
   std::size_t count = 0;
-  for (const Job& job : out)
+  for (const ChunkJob& job : out)
     if (count && out[count - 1].chunk == job.chunk)
       out[count - 1].changed = box_around(out[count - 1].changed, job.changed);
     else
@@ -104,7 +104,7 @@ std::vector<Job> GridMesher::State::jobs(const volume::ScalarGrid& grid,
   return out;
 }
 
-void GridMesher::State::make(const volume::ScalarGrid& grid, Job& job) {
+void GridMesher::State::make(const volume::ScalarGrid& grid, ChunkJob& job) {
   std::unique_ptr<GridChunkMaker> maker;
   {
     const std::lock_guard lock(mutex);
@@ -149,13 +149,13 @@ std::vector<ChunkChange> GridMesher::update(const volume::ScalarGrid& grid,
     }
   }
   const SampleBox everything = grid.samples();
-  std::vector<Job> jobs = s.jobs(grid, partial ? changed : std::span(&everything, 1));
-  for (Job& job : jobs) job.state = &s.chunks[job.chunk];
+  std::vector<ChunkJob> jobs = s.jobs(grid, partial ? changed : std::span(&everything, 1));
+  for (ChunkJob& job : jobs) job.state = &s.chunks[job.chunk];
   progress.begin("mesh", jobs.size(), "chunks");
   parallel_for(
       std::ssize(jobs), [&](std::int64_t i) { s.make(grid, jobs[i]); }, progress);
   progress.end();
-  for (const Job& job : jobs) {
+  for (const ChunkJob& job : jobs) {
     if (job.differs) out.push_back({job.chunk, s.version});
     if (!job.state->mesh) s.chunks.erase(job.chunk);
   }

@@ -4,9 +4,9 @@
 #include "tafoni/surface/polygonize.h"
 
 #include <algorithm>
-#include <chrono>
 #include <mutex>
 
+#include "tafoni/core/clock.h"
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/field/chunks.h"
@@ -20,13 +20,10 @@ using impl::Connectivity;
 using impl::Piece;
 using impl::PieceMaker;
 
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 /// What one thread needs to work on a column of chunks.
-struct Worker {
-  Worker(std::unique_ptr<SampleSource> s, const CellSet& cells, double voxel, bool normals, bool parts)
+struct PolygonizeWorker {
+  PolygonizeWorker(std::unique_ptr<SampleSource> s, const CellSet& cells, double voxel, bool normals,
+                   bool parts)
       : source(std::move(s)), maker(cells, voxel, normals, parts) {}
 
   std::unique_ptr<SampleSource> source;
@@ -36,15 +33,15 @@ struct Worker {
 };
 
 /// Chunk columns [x0, x1) x [y0, y1).
-struct ColumnBox {
+struct ChunkColumns {
   int x0, x1, y0, y1;
   std::int64_t count() const { return std::int64_t{x1 - x0} * (y1 - y0); }
 };
 
-class Job {
+class PolygonizeJob {
  public:
-  Job(const SourceFactory& factory, const Box3d& bounds, const PolygonizeSettings& settings,
-      Progress& progress)
+  PolygonizeJob(const SourceFactory& factory, const Box3d& bounds, const PolygonizeSettings& settings,
+                Progress& progress)
       : factory_(factory), settings_(settings), progress_(progress), cells_(bounds, settings) {
     if (settings.tiles_x < 1 || settings.tiles_y < 1)
       fail(ErrorKind::usage, "{} x {} tiles cannot be made: give at least 1 x 1", settings.tiles_x,
@@ -57,8 +54,8 @@ class Job {
 
   bool empty() const { return cells_.empty() || first_.x > last_.x || first_.y > last_.y; }
   std::uint64_t columns() const { return empty() ? 0 : whole().count(); }
-  ColumnBox whole() const { return {first_.x, last_.x + 1, first_.y, last_.y + 1}; }
-  ColumnBox tile(TileIndex t) const {
+  ChunkColumns whole() const { return {first_.x, last_.x + 1, first_.y, last_.y + 1}; }
+  ChunkColumns tile(TileIndex t) const {
     const auto cut = [](int first, int last, int at, int tiles) {
       return first + static_cast<int>((std::int64_t{last} + 1 - first) * at / tiles);
     };
@@ -75,15 +72,15 @@ class Job {
   }
 
   /// The pieces of a box of columns, in order. Their memory stays until release().
-  std::vector<Piece> pieces(const ColumnBox& box, bool normals, bool parts);
+  std::vector<Piece> pieces(const ChunkColumns& box, bool normals, bool parts);
   void add_stats(PolygonizeStats& stats) const;
   void forget_workers() { workers_.clear(); }
   void release() { arenas_.clear(); }
 
  private:
   void skip_empty(const Box3d& bounds);
-  void column(Worker& worker, int a, int b, std::vector<Piece>& out);
-  std::unique_ptr<Worker> take(bool normals, bool parts);
+  void column(PolygonizeWorker& worker, int a, int b, std::vector<Piece>& out);
+  std::unique_ptr<PolygonizeWorker> take(bool normals, bool parts);
 
   const SourceFactory& factory_;
   const PolygonizeSettings& settings_;
@@ -91,12 +88,12 @@ class Job {
   CellSet cells_;
   Vec3i first_, last_;
   std::mutex mutex_;
-  std::vector<std::unique_ptr<Worker>> workers_;
+  std::vector<std::unique_ptr<PolygonizeWorker>> workers_;
   std::vector<std::unique_ptr<impl::Arena>> arenas_;
 };
 
 /// Narrows the chunks to those that can hold surface.
-void Job::skip_empty(const Box3d& bounds) {
+void PolygonizeJob::skip_empty(const Box3d& bounds) {
   const double side = settings_.voxel * field::chunk_cells;
   const auto low = [&](int first, double lo) {
     return static_cast<int>(std::min(std::max<double>(std::floor(lo / side) - 1, first), 0x1p30));
@@ -108,7 +105,7 @@ void Job::skip_empty(const Box3d& bounds) {
   last_ = {high(last_.x, bounds.hi.x), high(last_.y, bounds.hi.y), high(last_.z, bounds.hi.z)};
 }
 
-std::unique_ptr<Worker> Job::take(bool normals, bool parts) {
+std::unique_ptr<PolygonizeWorker> PolygonizeJob::take(bool normals, bool parts) {
   {
     const std::lock_guard lock(mutex_);
     if (!workers_.empty()) {
@@ -117,10 +114,10 @@ std::unique_ptr<Worker> Job::take(bool normals, bool parts) {
       return worker;
     }
   }
-  return std::make_unique<Worker>(factory_(), cells_, settings_.voxel, normals, parts);
+  return std::make_unique<PolygonizeWorker>(factory_(), cells_, settings_.voxel, normals, parts);
 }
 
-void Job::column(Worker& worker, int a, int b, std::vector<Piece>& out) {
+void PolygonizeJob::column(PolygonizeWorker& worker, int a, int b, std::vector<Piece>& out) {
   const double start = now(), before = worker.maker.triangles_seconds + worker.maker.normals_seconds;
   const auto range = worker.source->column(a, b);
   for (int c = std::max(range.first, first_.z); c <= std::min(range.last, last_.z); ++c) {
@@ -137,7 +134,7 @@ void Job::column(Worker& worker, int a, int b, std::vector<Piece>& out) {
   worker.stats.evaluate_seconds += now() - start - made;
 }
 
-std::vector<Piece> Job::pieces(const ColumnBox& box, bool normals, bool parts) {
+std::vector<Piece> PolygonizeJob::pieces(const ChunkColumns& box, bool normals, bool parts) {
   const int width = box.x1 - box.x0;
   std::vector<std::vector<Piece>> columns(box.count());
   parallel_for(
@@ -157,7 +154,7 @@ std::vector<Piece> Job::pieces(const ColumnBox& box, bool normals, bool parts) {
   return all;
 }
 
-void Job::add_stats(PolygonizeStats& stats) const {
+void PolygonizeJob::add_stats(PolygonizeStats& stats) const {
   for (const auto& worker : workers_) {
     stats.chunks += worker->stats.chunks;
     stats.bricks += worker->stats.bricks;
@@ -180,7 +177,7 @@ void note_decision(const Connectivity::Result& result, PolygonizeStats& stats) {
 mesh::Mesh polygonize(const SourceFactory& source, const Box3d& bounds, const PolygonizeSettings& settings,
                       Progress& progress, PolygonizeStats* stats) {
   PolygonizeStats sums;
-  Job job(source, bounds, settings, progress);
+  PolygonizeJob job(source, bounds, settings, progress);
   const bool parts = settings.min_fragment_volume > 0;
   progress.begin("mesh", job.columns(), "columns");
   std::vector<Piece> pieces;
@@ -210,7 +207,7 @@ mesh::Mesh polygonize(const SourceFactory& source, const Box3d& bounds, const Po
 void polygonize_tiles(const SourceFactory& source, const Box3d& bounds, const PolygonizeSettings& settings,
                       const TileSink& sink, Progress& progress, PolygonizeStats* stats) {
   PolygonizeStats sums;
-  Job job(source, bounds, settings, progress);
+  PolygonizeJob job(source, bounds, settings, progress);
   const bool parts = settings.min_fragment_volume > 0;
   Connectivity connectivity;
   if (parts) {

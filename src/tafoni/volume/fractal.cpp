@@ -15,7 +15,7 @@
 namespace tafoni::volume {
 namespace {
 
-constexpr int side = ScalarGrid::chunk_samples;
+constexpr int samples_side = ScalarGrid::chunk_samples;
 
 void check(const FractalSettings& s) {
   if (s.cells.x < 1 || s.cells.y < 1 || s.cells.z < 1)
@@ -60,10 +60,11 @@ impl::Subdivision last_step(const FractalSettings& s, const std::vector<float>& 
 /// The boxes of at most 32 x 32 rows that tile a box, whole rows each.
 std::vector<SampleBox> bars(const SampleBox& box) {
   std::vector<SampleBox> out;
-  for (int z = box.lo.z; z <= box.hi.z; z += side)
-    for (int y = box.lo.y; y <= box.hi.y; y += side)
+  for (int z = box.lo.z; z <= box.hi.z; z += samples_side)
+    for (int y = box.lo.y; y <= box.hi.y; y += samples_side)
       out.push_back(
-          {{box.lo.x, y, z}, {box.hi.x, std::min(y + side - 1, box.hi.y), std::min(z + side - 1, box.hi.z)}});
+          {{box.lo.x, y, z},
+           {box.hi.x, std::min(y + samples_side - 1, box.hi.y), std::min(z + samples_side - 1, box.hi.z)}});
   return out;
 }
 
@@ -74,7 +75,7 @@ std::optional<float> at_limit(const SampleBox& part, const float* samples, float
   const Vec3i n = part.size();
   for (int z = 0; z < n.z; ++z)
     for (int y = 0; y < n.y; ++y) {
-      const float* row = samples + (z * side + y) * side;
+      const float* row = samples + (z * samples_side + y) * samples_side;
       if (!std::all_of(row, row + n.x, [&](float v) { return v == first; })) return {};
     }
   return first;
@@ -168,7 +169,7 @@ ScalarGrid Fractal::grid(const SampleBox& box, Precision precision, Progress& pr
           if (range.lo >= step.limit) return step.limit;
           if (range.hi <= -step.limit) return -step.limit;
         }
-        impl::subdivide(step, own, out, side, side * side);
+        impl::subdivide(step, own, out, samples_side, samples_side * samples_side);
         return at_limit(part, out, step.limit);
       },
       progress);

@@ -14,8 +14,8 @@ namespace tafoni::volume {
 
 namespace {
 
-constexpr int side = PrismFields::tile_columns;
-constexpr int tile_size = side * side;
+constexpr int tile_side = PrismFields::tile_columns;
+constexpr int tile_size = tile_side * tile_side;
 
 /// Steps from a column to those beside it.
 constexpr int beside[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
@@ -45,8 +45,8 @@ void ColumnBox::expand(const ColumnBox& box) {
 PrismFields::PrismFields(const ColumnFrame& frame, double min_thickness)
     : frame_(frame),
       thinnest_(static_cast<float>(min_thickness)),
-      tiles_x_((frame.nx + side - 1) / side),
-      tiles_y_((frame.ny + side - 1) / side) {
+      tiles_x_((frame.nx + tile_side - 1) / tile_side),
+      tiles_y_((frame.ny + tile_side - 1) / tile_side) {
   const auto positive = [](double v) { return std::isfinite(v) && v > 0; };
   if (frame.nx < 2 || frame.ny < 2 || std::int64_t{frame.nx} * frame.ny > (std::int64_t{1} << 31))
     fail(ErrorKind::usage, "a prism-field of {} x {} columns cannot be; give 2 to 46340 a side", frame.nx,
@@ -60,7 +60,8 @@ PrismFields::PrismFields(const ColumnFrame& frame, double min_thickness)
 }
 
 PrismFields::Place PrismFields::place(int i, int j) const {
-  const std::size_t tile = std::int64_t{j / side} * tiles_x_ + i / side, at = j % side * side + i % side;
+  const std::size_t tile = std::int64_t{j / tile_side} * tiles_x_ + i / tile_side,
+                    at = j % tile_side * tile_side + i % tile_side;
   return {tile, at};
 }
 
@@ -272,7 +273,7 @@ void PrismFields::read(const ColumnBox& box, ColumnBlock& out) const {
   const int j0 = std::max(box.j0, 0), j1 = std::min(box.j1, frame_.ny - 1);
   for (int j = j0; j <= j1; ++j)
     for (int start = i0; start <= i1;) {
-      const int end = std::min(i1, start / side * side + side - 1);
+      const int end = std::min(i1, start / tile_side * tile_side + tile_side - 1);
       const Place p = place(start, j);
       for (int l = 0; l < layers(); ++l) {
         const Tile* t = tile(l, p.tile);

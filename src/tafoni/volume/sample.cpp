@@ -20,8 +20,9 @@ namespace tafoni::volume {
 namespace {
 
 constexpr int columns_at_once = 16;
-constexpr int side = ScalarGrid::chunk_samples, block_side = field::chunk_cells, brick = field::brick_cells;
-static_assert(block_side % side == 0 && side % brick == 0);
+constexpr int grid_side = ScalarGrid::chunk_samples, block_side = field::chunk_cells,
+              brick = field::brick_cells;
+static_assert(block_side % grid_side == 0 && grid_side % brick == 0);
 
 /// A chunk of the grid: all samples alike, or one by one, x fastest.
 struct Made {
@@ -62,11 +63,11 @@ class ColumnSampler {
         prepared = true;
         evaluate(block, c);
       }
-      for (int z = block.lo.z; z <= block.hi.z; z += side)
-        for (int y = block.lo.y; y <= block.hi.y; y += side)
-          for (int x = block.lo.x; x <= block.hi.x; x += side) {
+      for (int z = block.lo.z; z <= block.hi.z; z += grid_side)
+        for (int y = block.lo.y; y <= block.hi.y; y += grid_side)
+          for (int x = block.lo.x; x <= block.hi.x; x += grid_side) {
             Made& made = out.emplace_back();
-            made.box = common(block, {x, y, z}, side);
+            made.box = common(block, {x, y, z}, grid_side);
             made.same = same ? same : constant(made.box);
             if (!made.same) gather(block.lo, made);
           }

@@ -18,9 +18,9 @@ struct Box {
 
 #else
 
-namespace tafoni::field {
+namespace tafoni::field::primitive_box {
 
-const PrimitiveType& primitive_box() {
+const PrimitiveType& declaration() {
   struct Params {
     double radius = 0.5, hx = 5, hy = 5, hz = 5, turn = 0;
   };
@@ -46,6 +46,6 @@ const PrimitiveType& primitive_box() {
   return type;
 }
 
-}  // namespace tafoni::field
+}  // namespace tafoni::field::primitive_box
 
 #endif

@@ -33,9 +33,9 @@ struct ConeSphere {
 
 #else
 
-namespace tafoni::field {
+namespace tafoni::field::primitive_cone_sphere {
 
-const PrimitiveType& primitive_cone_sphere() {
+const PrimitiveType& declaration() {
   struct Params {
     double radius = 0.5, dx = 0, dy = 0, dz = 10, base = 5, tip = 2;
   };
@@ -67,6 +67,6 @@ const PrimitiveType& primitive_cone_sphere() {
   return type;
 }
 
-}  // namespace tafoni::field
+}  // namespace tafoni::field::primitive_cone_sphere
 
 #endif

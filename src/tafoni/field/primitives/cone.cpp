@@ -28,9 +28,9 @@ struct Cone {
 
 #else
 
-namespace tafoni::field {
+namespace tafoni::field::primitive_cone {
 
-const PrimitiveType& primitive_cone() {
+const PrimitiveType& declaration() {
   struct Params {
     double radius = 0.5, dx = 0, dy = 0, dz = 10, base = 5, tip = 0;
   };
@@ -59,6 +59,6 @@ const PrimitiveType& primitive_cone() {
   return type;
 }
 
-}  // namespace tafoni::field
+}  // namespace tafoni::field::primitive_cone
 
 #endif

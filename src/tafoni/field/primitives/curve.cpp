@@ -24,9 +24,9 @@ struct Curve {
 
 #else
 
-namespace tafoni::field {
+namespace tafoni::field::primitive_curve {
 
-const PrimitiveType& primitive_curve() {
+const PrimitiveType& declaration() {
   struct Params {
     double radius = 5, dx = 10, dy = 0, dz = 0;
   };
@@ -55,6 +55,6 @@ const PrimitiveType& primitive_curve() {
   return type;
 }
 
-}  // namespace tafoni::field
+}  // namespace tafoni::field::primitive_curve
 
 #endif

@@ -18,9 +18,9 @@ struct Cylinder {
 
 #else
 
-namespace tafoni::field {
+namespace tafoni::field::primitive_cylinder {
 
-const PrimitiveType& primitive_cylinder() {
+const PrimitiveType& declaration() {
   struct Params {
     double radius = 0.5, dx = 0, dy = 0, dz = 10, base = 5;
   };
@@ -48,6 +48,6 @@ const PrimitiveType& primitive_cylinder() {
   return type;
 }
 
-}  // namespace tafoni::field
+}  // namespace tafoni::field::primitive_cylinder
 
 #endif

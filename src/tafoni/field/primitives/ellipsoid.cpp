@@ -60,9 +60,9 @@ struct Ellipsoid {
 
 #else
 
-namespace tafoni::field {
+namespace tafoni::field::primitive_ellipsoid {
 
-const PrimitiveType& primitive_ellipsoid() {
+const PrimitiveType& declaration() {
   struct Params {
     double radius = 0.5, hx = 5, hy = 5, hz = 5, turn = 0;
   };
@@ -91,6 +91,6 @@ const PrimitiveType& primitive_ellipsoid() {
   return type;
 }
 
-}  // namespace tafoni::field
+}  // namespace tafoni::field::primitive_ellipsoid
 
 #endif

@@ -13,9 +13,9 @@ struct Point {
 
 #else
 
-namespace tafoni::field {
+namespace tafoni::field::primitive_point {
 
-const PrimitiveType& primitive_point() {
+const PrimitiveType& declaration() {
   struct Params {
     double radius = 5;
   };
@@ -31,6 +31,6 @@ const PrimitiveType& primitive_point() {
   return type;
 }
 
-}  // namespace tafoni::field
+}  // namespace tafoni::field::primitive_point
 
 #endif

@@ -50,9 +50,9 @@ struct Pyramid {
 
 #else
 
-namespace tafoni::field {
+namespace tafoni::field::primitive_pyramid {
 
-const PrimitiveType& primitive_pyramid() {
+const PrimitiveType& declaration() {
   struct Params {
     double radius = 0.5, hx = 5, hy = 5, height = 10, turn = 0;
   };
@@ -78,6 +78,6 @@ const PrimitiveType& primitive_pyramid() {
   return type;
 }
 
-}  // namespace tafoni::field
+}  // namespace tafoni::field::primitive_pyramid
 
 #endif

@@ -16,9 +16,9 @@ struct Segment {
 
 #else
 
-namespace tafoni::field {
+namespace tafoni::field::primitive_segment {
 
-const PrimitiveType& primitive_segment() {
+const PrimitiveType& declaration() {
   struct Params {
     double radius = 5, dx = 10, dy = 0, dz = 0;
   };
@@ -40,6 +40,6 @@ const PrimitiveType& primitive_segment() {
   return type;
 }
 
-}  // namespace tafoni::field
+}  // namespace tafoni::field::primitive_segment
 
 #endif

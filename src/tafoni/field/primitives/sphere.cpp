@@ -13,9 +13,9 @@ struct Sphere {
 
 #else
 
-namespace tafoni::field {
+namespace tafoni::field::primitive_sphere {
 
-const PrimitiveType& primitive_sphere() {
+const PrimitiveType& declaration() {
   struct Params {
     double radius = 5;
   };
@@ -32,6 +32,6 @@ const PrimitiveType& primitive_sphere() {
   return type;
 }
 
-}  // namespace tafoni::field
+}  // namespace tafoni::field::primitive_sphere
 
 #endif

@@ -24,9 +24,9 @@ struct Torus {
 
 #else
 
-namespace tafoni::field {
+namespace tafoni::field::primitive_torus {
 
-const PrimitiveType& primitive_torus() {
+const PrimitiveType& declaration() {
   struct Params {
     double radius = 3, dx = 0, dy = 0, dz = 1, ring = 10;
   };
@@ -49,6 +49,6 @@ const PrimitiveType& primitive_torus() {
   return type;
 }
 
-}  // namespace tafoni::field
+}  // namespace tafoni::field::primitive_torus
 
 #endif

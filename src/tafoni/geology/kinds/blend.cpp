@@ -1,7 +1,7 @@
 #include "tafoni/geology/impl/rock.h"
 #include "tafoni/geology/kind.h"
 
-namespace tafoni::geology {
+namespace tafoni::geology::geology_blend {
 namespace {
 
 class Node final : public impl::BatchGeology {
@@ -29,7 +29,7 @@ GeologyPtr make(const Values&, std::vector<GeologyPtr> children, std::uint64_t) 
 
 }  // namespace
 
-const GeologyType& geology_blend() {
+const GeologyType& declaration() {
   static const GeologyType type{
       .about = {.name = "blend", .doc = "The sum of its children's resistances", .source = "[Paris19 §4.2]"},
       .min_children = 1,
@@ -39,4 +39,4 @@ const GeologyType& geology_blend() {
   return type;
 }
 
-}  // namespace tafoni::geology
+}  // namespace tafoni::geology::geology_blend

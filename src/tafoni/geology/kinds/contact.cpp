@@ -5,7 +5,7 @@
 #include "tafoni/geology/impl/rock.h"
 #include "tafoni/geology/kind.h"
 
-namespace tafoni::geology {
+namespace tafoni::geology::geology_contact {
 namespace {
 
 const ParamTable<impl::DomainParams>& table() {
@@ -64,7 +64,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr> children, std::uin
 
 }  // namespace
 
-const GeologyType& geology_contact() {
+const GeologyType& declaration() {
   static const GeologyType type{
       .about = {.name = "contact",
                 .doc = "Two rocks side by side: the second child inside a domain, the first outside",
@@ -77,4 +77,4 @@ const GeologyType& geology_contact() {
   return type;
 }
 
-}  // namespace tafoni::geology
+}  // namespace tafoni::geology::geology_contact

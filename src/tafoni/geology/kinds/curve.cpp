@@ -4,7 +4,7 @@
 #include "tafoni/geology/impl/local.h"
 #include "tafoni/geology/kind.h"
 
-namespace tafoni::geology {
+namespace tafoni::geology::geology_curve {
 namespace {
 
 struct Params : impl::LocalParams {
@@ -81,7 +81,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
 
 }  // namespace
 
-const GeologyType& geology_curve() {
+const GeologyType& declaration() {
   static const GeologyType type{
       .about = {.name = "curve",
                 .doc = "Adds resistance along a curve, or takes it away; 0 elsewhere",
@@ -92,4 +92,4 @@ const GeologyType& geology_curve() {
   return type;
 }
 
-}  // namespace tafoni::geology
+}  // namespace tafoni::geology::geology_curve

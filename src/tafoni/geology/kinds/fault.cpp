@@ -4,7 +4,7 @@
 #include "tafoni/geology/impl/rock.h"
 #include "tafoni/geology/kind.h"
 
-namespace tafoni::geology {
+namespace tafoni::geology::geology_fault {
 namespace {
 
 struct Params : impl::DomainParams {
@@ -53,7 +53,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr> children, std::uin
 
 }  // namespace
 
-const GeologyType& geology_fault() {
+const GeologyType& declaration() {
   static const GeologyType type{
       .about = {.name = "fault",
                 .doc = "Moves the rock of its child inside a domain; it is torn along the border",
@@ -66,4 +66,4 @@ const GeologyType& geology_fault() {
   return type;
 }
 
-}  // namespace tafoni::geology
+}  // namespace tafoni::geology::geology_fault

@@ -4,7 +4,7 @@
 #include "tafoni/geology/impl/rock.h"
 #include "tafoni/geology/kind.h"
 
-namespace tafoni::geology {
+namespace tafoni::geology::geology_fold {
 namespace {
 
 struct Params {
@@ -103,7 +103,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr> children, std::uin
 
 }  // namespace
 
-const GeologyType& geology_fold() {
+const GeologyType& declaration() {
   static const GeologyType type{
       .about = {.name = "fold",
                 .doc = "Folds its child by turbulence, by regular waves or by both",
@@ -116,4 +116,4 @@ const GeologyType& geology_fold() {
   return type;
 }
 
-}  // namespace tafoni::geology
+}  // namespace tafoni::geology::geology_fold

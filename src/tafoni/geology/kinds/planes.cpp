@@ -5,7 +5,7 @@
 #include "tafoni/geology/impl/rock.h"
 #include "tafoni/geology/kind.h"
 
-namespace tafoni::geology {
+namespace tafoni::geology::geology_planes {
 namespace {
 
 struct Params {
@@ -90,7 +90,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
 
 }  // namespace
 
-const GeologyType& geology_planes() {
+const GeologyType& declaration() {
   static const GeologyType type{
       .about = {.name = "planes",
                 .doc = "Parallel bands about planes of any dip, harder or softer than the rest",
@@ -101,4 +101,4 @@ const GeologyType& geology_planes() {
   return type;
 }
 
-}  // namespace tafoni::geology
+}  // namespace tafoni::geology::geology_planes

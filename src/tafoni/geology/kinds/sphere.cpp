@@ -1,7 +1,7 @@
 #include "tafoni/geology/impl/local.h"
 #include "tafoni/geology/kind.h"
 
-namespace tafoni::geology {
+namespace tafoni::geology::geology_sphere {
 namespace {
 
 struct Params : impl::LocalParams {
@@ -46,7 +46,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
 
 }  // namespace
 
-const GeologyType& geology_sphere() {
+const GeologyType& declaration() {
   static const GeologyType type{
       .about = {.name = "sphere",
                 .doc = "Adds resistance about places, or takes it away; 0 elsewhere",
@@ -57,4 +57,4 @@ const GeologyType& geology_sphere() {
   return type;
 }
 
-}  // namespace tafoni::geology
+}  // namespace tafoni::geology::geology_sphere

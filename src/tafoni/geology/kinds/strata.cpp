@@ -10,7 +10,7 @@
 #include "tafoni/geology/kind.h"
 #include "tafoni/math/smoothstep.h"
 
-namespace tafoni::geology {
+namespace tafoni::geology::geology_strata {
 namespace {
 
 struct Params {
@@ -230,7 +230,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
 
 }  // namespace
 
-const GeologyType& geology_strata() {
+const GeologyType& declaration() {
   static const GeologyType type{
       .about = {.name = "strata",
                 .doc = "Beds of hard and soft rock, one above the other",
@@ -241,4 +241,4 @@ const GeologyType& geology_strata() {
   return type;
 }
 
-}  // namespace tafoni::geology
+}  // namespace tafoni::geology::geology_strata

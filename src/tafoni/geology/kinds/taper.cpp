@@ -4,7 +4,7 @@
 #include "tafoni/geology/impl/rock.h"
 #include "tafoni/geology/kind.h"
 
-namespace tafoni::geology {
+namespace tafoni::geology::geology_taper {
 namespace {
 
 struct Params {
@@ -66,7 +66,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr> children, std::uin
 
 }  // namespace
 
-const GeologyType& geology_taper() {
+const GeologyType& declaration() {
   static const GeologyType type{
       .about = {.name = "taper",
                 .doc = "Compresses or swells the beds of its child about a place",
@@ -79,4 +79,4 @@ const GeologyType& geology_taper() {
   return type;
 }
 
-}  // namespace tafoni::geology
+}  // namespace tafoni::geology::geology_taper

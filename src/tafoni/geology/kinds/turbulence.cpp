@@ -5,7 +5,7 @@
 #include "tafoni/geology/impl/rock.h"
 #include "tafoni/geology/kind.h"
 
-namespace tafoni::geology {
+namespace tafoni::geology::geology_turbulence {
 namespace {
 
 struct Params {
@@ -69,7 +69,7 @@ GeologyPtr make(const Values& values, std::vector<GeologyPtr>, std::uint64_t see
 
 }  // namespace
 
-const GeologyType& geology_turbulence() {
+const GeologyType& declaration() {
   static const GeologyType type{
       .about = {.name = "turbulence",
                 .doc = "Beds and lenses from fractal noise of the elevation",
@@ -80,4 +80,4 @@ const GeologyType& geology_turbulence() {
   return type;
 }
 
-}  // namespace tafoni::geology
+}  // namespace tafoni::geology::geology_turbulence

@@ -3,7 +3,7 @@
 
 #include "tafoni/grammar/impl/shared.h"
 
-namespace tafoni::grammar {
+namespace tafoni::grammar::solid_cone {
 namespace {
 
 struct Cone final : Solid {
@@ -45,7 +45,7 @@ const std::vector<ParamInfo>& table() {
 
 }  // namespace
 
-const SolidType& solid_cone() {
+const SolidType& declaration() {
   static const SolidType type{
       .about = {.name = "cone",
                 .doc = "An upright cone, whole or cut off; bonds in the middles of its ends and on four "
@@ -61,4 +61,4 @@ const SolidType& solid_cone() {
   return type;
 }
 
-}  // namespace tafoni::grammar
+}  // namespace tafoni::grammar::solid_cone

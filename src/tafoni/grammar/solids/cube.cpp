@@ -1,6 +1,6 @@
 #include "tafoni/grammar/impl/shared.h"
 
-namespace tafoni::grammar {
+namespace tafoni::grammar::solid_cube {
 namespace {
 
 struct Cube final : Solid {
@@ -27,7 +27,7 @@ const std::vector<ParamInfo>& table() {
 
 }  // namespace
 
-const SolidType& solid_cube() {
+const SolidType& declaration() {
   static const SolidType type{
       .about = {.name = "cube",
                 .doc = "A cuboid; bonds in the middles of its six faces",
@@ -42,4 +42,4 @@ const SolidType& solid_cube() {
   return type;
 }
 
-}  // namespace tafoni::grammar
+}  // namespace tafoni::grammar::solid_cube

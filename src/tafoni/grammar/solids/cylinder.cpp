@@ -1,6 +1,6 @@
 #include "tafoni/grammar/impl/shared.h"
 
-namespace tafoni::grammar {
+namespace tafoni::grammar::solid_cylinder {
 namespace {
 
 struct Cylinder final : Solid {
@@ -26,7 +26,7 @@ const std::vector<ParamInfo>& table() {
 
 }  // namespace
 
-const SolidType& solid_cylinder() {
+const SolidType& declaration() {
   static const SolidType type{
       .about = {.name = "cylinder",
                 .doc = "An upright cylinder; bonds in the middles of its ends and on four sides",
@@ -41,4 +41,4 @@ const SolidType& solid_cylinder() {
   return type;
 }
 
-}  // namespace tafoni::grammar
+}  // namespace tafoni::grammar::solid_cylinder

@@ -2,7 +2,7 @@
 
 #include "tafoni/grammar/impl/shared.h"
 
-namespace tafoni::grammar {
+namespace tafoni::grammar::solid_ellipsoid {
 namespace {
 
 struct Ellipsoid final : Solid {
@@ -56,7 +56,7 @@ const std::vector<ParamInfo>& table() {
 
 }  // namespace
 
-const SolidType& solid_ellipsoid() {
+const SolidType& declaration() {
   static const SolidType type{
       .about = {.name = "ellipsoid",
                 .doc = "An ellipsoid, by its true distance; bonds at its six poles",
@@ -71,4 +71,4 @@ const SolidType& solid_ellipsoid() {
   return type;
 }
 
-}  // namespace tafoni::grammar
+}  // namespace tafoni::grammar::solid_ellipsoid

@@ -1,6 +1,6 @@
 #include "tafoni/grammar/impl/shared.h"
 
-namespace tafoni::grammar {
+namespace tafoni::grammar::solid_empty {
 namespace {
 
 struct Empty final : Solid {
@@ -11,7 +11,7 @@ struct Empty final : Solid {
 
 }  // namespace
 
-const SolidType& solid_empty() {
+const SolidType& declaration() {
   static const SolidType type{
       .about = {.name = "empty",
                 .doc = "Nothing: what a grammar begins with, and what ends a branch of it",
@@ -22,4 +22,4 @@ const SolidType& solid_empty() {
   return type;
 }
 
-}  // namespace tafoni::grammar
+}  // namespace tafoni::grammar::solid_empty

@@ -3,7 +3,7 @@
 
 #include "tafoni/grammar/impl/shared.h"
 
-namespace tafoni::grammar {
+namespace tafoni::grammar::solid_pyramid {
 namespace {
 
 /// Distance to a triangle, both sides.
@@ -57,7 +57,7 @@ const std::vector<ParamInfo>& table() {
 
 }  // namespace
 
-const SolidType& solid_pyramid() {
+const SolidType& declaration() {
   static const SolidType type{
       .about = {.name = "pyramid",
                 .doc = "A pyramid on a rectangle; bonds in the middles of its five faces, and at its point, "
@@ -73,4 +73,4 @@ const SolidType& solid_pyramid() {
   return type;
 }
 
-}  // namespace tafoni::grammar
+}  // namespace tafoni::grammar::solid_pyramid

@@ -1,6 +1,6 @@
 #include "tafoni/grammar/impl/shared.h"
 
-namespace tafoni::grammar {
+namespace tafoni::grammar::solid_sphere {
 namespace {
 
 struct Sphere final : Solid {
@@ -19,7 +19,7 @@ const std::vector<ParamInfo>& table() {
 
 }  // namespace
 
-const SolidType& solid_sphere() {
+const SolidType& declaration() {
   static const SolidType type{
       .about = {.name = "sphere",
                 .doc = "A sphere; bonds at its six poles",
@@ -34,4 +34,4 @@ const SolidType& solid_sphere() {
   return type;
 }
 
-}  // namespace tafoni::grammar
+}  // namespace tafoni::grammar::solid_sphere

@@ -1,6 +1,6 @@
 #include "tafoni/grammar/impl/shared.h"
 
-namespace tafoni::grammar {
+namespace tafoni::grammar::solid_torus {
 namespace {
 
 struct Torus final : Solid {
@@ -34,7 +34,7 @@ const std::vector<ParamInfo>& table() {
 
 }  // namespace
 
-const SolidType& solid_torus() {
+const SolidType& declaration() {
   static const SolidType type{
       .about = {.name = "torus",
                 .doc = "A ring that lies flat; bonds on four sides of its outer rim, on top and below",
@@ -50,4 +50,4 @@ const SolidType& solid_torus() {
   return type;
 }
 
-}  // namespace tafoni::grammar
+}  // namespace tafoni::grammar::solid_torus

@@ -13,7 +13,7 @@
 #include "tafoni/io/impl/writing.h"
 #include "tafoni/io/mesh_file.h"
 
-namespace tafoni::io {
+namespace tafoni::io::format_glb {
 namespace {
 
 using impl::GltfAccessor;
@@ -334,7 +334,7 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
 
 }  // namespace
 
-const FormatType& format_glb() {
+const FormatType& declaration() {
   static const FormatType type{
       .about = {.name = "glb",
                 .doc = "glTF 2.0 binary with normals, texture coordinates and vertex colours, y "
@@ -348,4 +348,4 @@ const FormatType& format_glb() {
   return type;
 }
 
-}  // namespace tafoni::io
+}  // namespace tafoni::io::format_glb

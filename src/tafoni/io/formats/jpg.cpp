@@ -7,7 +7,7 @@
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/pixels.h"
 
-namespace tafoni::io {
+namespace tafoni::io::format_jpg {
 namespace {
 
 constexpr int quality = 88;  ///< of 100: no blocks to be seen on rock, a tenth of a PNG's size
@@ -23,7 +23,7 @@ void write(AtomicFile& out, const raster::Image& image) {
 
 }  // namespace
 
-const FormatType& format_jpg() {
+const FormatType& declaration() {
   static const FormatType type{
       .about = {.name = "jpg", .doc = "Pictures, 8-bit sRGB, small", .source = "[JPEG]"},
       .extensions = {"jpg", "jpeg"},
@@ -32,4 +32,4 @@ const FormatType& format_jpg() {
   return type;
 }
 
-}  // namespace tafoni::io
+}  // namespace tafoni::io::format_jpg

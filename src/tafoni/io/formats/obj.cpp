@@ -11,7 +11,7 @@
 #include "tafoni/io/impl/writing.h"
 #include "tafoni/io/mesh_file.h"
 
-namespace tafoni::io {
+namespace tafoni::io::format_obj {
 namespace {
 
 constexpr std::string_view origin_key = "# world origin ";
@@ -182,7 +182,7 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
 
 }  // namespace
 
-const FormatType& format_obj() {
+const FormatType& declaration() {
   static const FormatType type{
       .about = {.name = "obj",
                 .doc = "Wavefront text with normals, texture coordinates and vertex colours (sRGB), z up",
@@ -195,4 +195,4 @@ const FormatType& format_obj() {
   return type;
 }
 
-}  // namespace tafoni::io
+}  // namespace tafoni::io::format_obj

@@ -7,7 +7,7 @@
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/mesh_file.h"
 
-namespace tafoni::io {
+namespace tafoni::io::format_off {
 namespace {
 
 mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
@@ -53,7 +53,7 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
 
 }  // namespace
 
-const FormatType& format_off() {
+const FormatType& declaration() {
   static const FormatType type{
       .about = {.name = "off",
                 .doc = "Object file format, text, read only; polygons become triangles",
@@ -64,4 +64,4 @@ const FormatType& format_off() {
   return type;
 }
 
-}  // namespace tafoni::io
+}  // namespace tafoni::io::format_off

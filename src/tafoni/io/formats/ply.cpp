@@ -10,7 +10,7 @@
 #include "tafoni/io/impl/writing.h"
 #include "tafoni/io/mesh_file.h"
 
-namespace tafoni::io {
+namespace tafoni::io::format_ply {
 namespace {
 
 using impl::PlyElement;
@@ -196,7 +196,7 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
 
 }  // namespace
 
-const FormatType& format_ply() {
+const FormatType& declaration() {
   static const FormatType type{
       .about =
           {.name = "ply",
@@ -210,4 +210,4 @@ const FormatType& format_ply() {
   return type;
 }
 
-}  // namespace tafoni::io
+}  // namespace tafoni::io::format_ply

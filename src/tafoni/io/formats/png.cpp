@@ -8,7 +8,7 @@
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/pixels.h"
 
-namespace tafoni::io {
+namespace tafoni::io::format_png {
 namespace {
 
 void write(AtomicFile& out, const raster::Image& image) {
@@ -26,7 +26,7 @@ void write(AtomicFile& out, const raster::Image& image) {
 
 }  // namespace
 
-const FormatType& format_png() {
+const FormatType& declaration() {
   static const FormatType type{
       .about = {.name = "png", .doc = "Pictures, 8-bit sRGB, lossless", .source = "[PNG]"},
       .extensions = {"png"},
@@ -35,4 +35,4 @@ const FormatType& format_png() {
   return type;
 }
 
-}  // namespace tafoni::io
+}  // namespace tafoni::io::format_png

@@ -10,7 +10,7 @@
 #include "tafoni/io/impl/writing.h"
 #include "tafoni/io/mesh_file.h"
 
-namespace tafoni::io {
+namespace tafoni::io::format_stl {
 namespace {
 
 constexpr std::size_t header_bytes = 84, triangle_bytes = 50;
@@ -82,7 +82,7 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
 
 }  // namespace
 
-const FormatType& format_stl() {
+const FormatType& declaration() {
   static const FormatType type{
       .about = {.name = "stl",
                 .doc = "Triangles alone for print and CAD, binary; the world origin stands in the header",
@@ -94,4 +94,4 @@ const FormatType& format_stl() {
   return type;
 }
 
-}  // namespace tafoni::io
+}  // namespace tafoni::io::format_stl

@@ -35,7 +35,7 @@
 #include "tafoni/io/volume_file.h"
 #include "tafoni/math/half.h"
 
-namespace tafoni::io {
+namespace tafoni::io::format_tvol {
 namespace {
 
 using volume::Precision;
@@ -333,7 +333,7 @@ Volume read(std::span<const std::byte> bytes, std::string_view file, Progress& p
 
 }  // namespace
 
-const FormatType& format_tvol() {
+const FormatType& declaration() {
   static const FormatType type{
       .about = {.name = "tvol",
                 .doc = "Volumes of tafoni: every bit, in chunks, compressed, with checksums",
@@ -345,4 +345,4 @@ const FormatType& format_tvol() {
   return type;
 }
 
-}  // namespace tafoni::io
+}  // namespace tafoni::io::format_tvol

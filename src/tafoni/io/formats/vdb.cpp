@@ -29,7 +29,7 @@
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/volume_chunks.h"
 
-namespace tafoni::io {
+namespace tafoni::io::format_vdb {
 namespace {
 
 using openvdb::Coord;
@@ -445,11 +445,11 @@ Volume read(std::span<const std::byte> bytes, std::string_view file, Progress& p
 }
 
 }  // namespace
-}  // namespace tafoni::io
+}  // namespace tafoni::io::format_vdb
 
 #else
 
-namespace tafoni::io {
+namespace tafoni::io::format_vdb {
 namespace {
 
 constexpr const char* missing =
@@ -463,13 +463,13 @@ Volume read(std::span<const std::byte>, std::string_view file, Progress&) {
 }
 
 }  // namespace
-}  // namespace tafoni::io
+}  // namespace tafoni::io::format_vdb
 
 #endif
 
-namespace tafoni::io {
+namespace tafoni::io::format_vdb {
 
-const FormatType& format_vdb() {
+const FormatType& declaration() {
   static const FormatType type{
       .about = {.name = "vdb",
                 .doc = "OpenVDB, as a level set (negative in rock) named surface; reads fog volumes too",
@@ -481,4 +481,4 @@ const FormatType& format_vdb() {
   return type;
 }
 
-}  // namespace tafoni::io
+}  // namespace tafoni::io::format_vdb

@@ -15,7 +15,7 @@
 #include "tafoni/math/angle.h"
 #include "tafoni/math/smoothstep.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_arch {
 namespace {
 
 using impl::Ground;
@@ -427,7 +427,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_arch() {
+const LandformType& declaration() {
   static const LandformType type{
       .about = {.name = "arch",
                 .doc = "Arches through fins, ridges and cliff rims, natural bridges across canyons and "
@@ -439,4 +439,4 @@ const LandformType& landform_arch() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_arch

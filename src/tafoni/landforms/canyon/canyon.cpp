@@ -16,7 +16,7 @@
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_canyon {
 namespace {
 
 using impl::Ground;
@@ -299,7 +299,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_canyon() {
+const LandformType& declaration() {
   static const LandformType type{
       .about = {.name = "canyon",
                 .doc = "Walls that rivers undercut, most at outer bends and in soft beds, and slot canyons",
@@ -310,4 +310,4 @@ const LandformType& landform_canyon() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_canyon

@@ -10,7 +10,7 @@
 #include "tafoni/landforms/site/table_rows.h"
 #include "tafoni/math/angle.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_chambers {
 namespace {
 
 using impl::Ground;
@@ -119,7 +119,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_chambers() {
+const LandformType& declaration() {
   static const LandformType type{
       .about = {.name = "chambers",
                 .doc = "Underground rooms from few chosen values: storage room, queen's chamber, or one's "
@@ -131,4 +131,4 @@ const LandformType& landform_chambers() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_chambers

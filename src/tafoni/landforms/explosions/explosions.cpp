@@ -10,7 +10,7 @@
 #include "tafoni/landforms/site/table_rows.h"
 #include "tafoni/math/noise.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_explosions {
 namespace {
 
 using impl::Ground;
@@ -186,7 +186,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_explosions() {
+const LandformType& declaration() {
   static const LandformType type{
       .about = {.name = "explosions",
                 .doc = "Craters of explosions, at given places or at random ones, with what they threw out",
@@ -197,4 +197,4 @@ const LandformType& landform_explosions() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_explosions

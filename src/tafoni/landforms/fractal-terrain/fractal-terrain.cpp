@@ -4,7 +4,7 @@
 #include "tafoni/landforms/rock/fractal_ground.h"
 #include "tafoni/landforms/site/table_rows.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_fractal_terrain {
 namespace {
 
 using impl::Ground;
@@ -69,7 +69,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_fractal_terrain() {
+const LandformType& declaration() {
   static const LandformType type{
       .about = {.name = "fractal-terrain",
                 .doc = "The terrain as a volume by 3D midpoint subdivision: crags, caves, bridges "
@@ -82,4 +82,4 @@ const LandformType& landform_fractal_terrain() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_fractal_terrain

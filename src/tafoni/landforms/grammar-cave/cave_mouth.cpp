@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "tafoni/core/parallel.h"
+#include "tafoni/math/angle.h"
 
 namespace tafoni::landforms::impl {
 namespace {
 
 constexpr int directions = 16;
-constexpr double full_turn = 2 * std::numbers::pi;
 
 // Chosen by eye.
 constexpr double enough_rise = 3;   // times the rise wanted: more is no better
@@ -31,7 +31,7 @@ double height(const Ground& ground, Vec3d p) {
 }
 
 /// How good a mouth is: the rise behind it as a share of what is wanted, less the slope before it.
-double score(const Ground& ground, const Mouth& mouth, const MouthSettings& s) {
+double score(const Ground& ground, const CaveMouth& mouth, const MouthSettings& s) {
   double behind = 1e9;
   for (const double share : {0.5, 1.0, 1.5})
     behind = std::min(behind, (height(ground, mouth.at + mouth.inward * (share * s.within)) - mouth.at.z) /
@@ -44,7 +44,7 @@ double score(const Ground& ground, const Mouth& mouth, const MouthSettings& s) {
   return std::min(behind, enough_rise) - slope_counts * before;
 }
 
-bool possible(const Ground& ground, const Mouth& mouth, const MouthSettings& s) {
+bool possible(const Ground& ground, const CaveMouth& mouth, const MouthSettings& s) {
   for (const double off : {-s.apron, -0.5 * s.apron, 0.0, 0.5 * s.within, s.within}) {
     Vec3d p = mouth.at + mouth.inward * off;
     if (off < 0) p.z = height(ground, p);
@@ -59,18 +59,18 @@ bool possible(const Ground& ground, const Mouth& mouth, const MouthSettings& s) 
 
 }  // namespace
 
-Mouth mouth_at(const Ground& ground, Vec2d at, const MouthSettings& settings) {
-  Mouth best{{at.x, at.y, ground.height(at.x, at.y)}, {1, 0, 0}};
+CaveMouth mouth_at(const Ground& ground, Vec2d at, const MouthSettings& settings) {
+  CaveMouth best{{at.x, at.y, ground.height(at.x, at.y)}, {1, 0, 0}};
   double most = -1e300;
   for (int i = 0; i < directions; ++i) {
-    const Mouth mouth{best.at, direction(i)};
+    const CaveMouth mouth{best.at, direction(i)};
     const double value = score(ground, mouth, settings);
     if (value > most) most = value, best = mouth;
   }
   return best;
 }
 
-std::optional<Mouth> find_mouth(const Ground& ground, const MouthSettings& settings, Progress& progress) {
+std::optional<CaveMouth> find_mouth(const Ground& ground, const MouthSettings& settings, Progress& progress) {
   const Box3d& box = ground.box();
   if (box.empty()) return {};
   const double longest = std::max(box.size().x, box.size().y);
@@ -78,7 +78,7 @@ std::optional<Mouth> find_mouth(const Ground& ground, const MouthSettings& setti
   const int columns = static_cast<int>(box.size().x / step), rows = static_cast<int>(box.size().y / step);
   struct Best {
     double value = -1e300;
-    Mouth mouth;
+    CaveMouth mouth;
   };
   std::vector<Best> best(std::max(rows, 0));
   progress.begin("looking for a mouth", best.size(), "rows");
@@ -91,7 +91,7 @@ std::optional<Mouth> find_mouth(const Ground& ground, const MouthSettings& setti
           p.z = height(ground, p);
           if (!ground.usable(p)) continue;
           for (int i = 0; i < directions; ++i) {
-            const Mouth mouth{p, direction(i)};
+            const CaveMouth mouth{p, direction(i)};
             if (height(ground, p + mouth.inward * settings.within) - p.z < settings.rise) continue;
             const double value = score(ground, mouth, settings);
             if (value > here.value && possible(ground, mouth, settings)) here = {value, mouth};

@@ -8,7 +8,7 @@
 
 namespace tafoni::landforms::impl {
 
-struct Mouth {
+struct CaveMouth {
   Vec3d at;      ///< local, on the ground
   Vec3d inward;  ///< level, unit
 };
@@ -22,8 +22,8 @@ struct MouthSettings {
 
 /// The place of the whole site where the ground before is most level and the hillside behind rises fastest;
 /// none where it nowhere rises enough.
-std::optional<Mouth> find_mouth(const Ground& ground, const MouthSettings& settings, Progress& progress);
+std::optional<CaveMouth> find_mouth(const Ground& ground, const MouthSettings& settings, Progress& progress);
 /// The best direction at a given place, whatever the ground.
-Mouth mouth_at(const Ground& ground, Vec2d at, const MouthSettings& settings);
+CaveMouth mouth_at(const Ground& ground, Vec2d at, const MouthSettings& settings);
 
 }  // namespace tafoni::landforms::impl

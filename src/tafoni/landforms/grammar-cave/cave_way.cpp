@@ -1,5 +1,5 @@
-// Room and floor are functions of the distance to the stretches of the way, by plain search: a way has some
-// dozens. Their intervals follow from how fast a value can change along a line.
+// RoomAlongWay and floor are functions of the distance to the stretches of the way, by plain search: a way
+// has some dozens. Their intervals follow from how fast a value can change along a line.
 
 #include "tafoni/landforms/grammar-cave/cave_way.h"
 
@@ -59,9 +59,10 @@ class Gentle : public field::Function {
   double slope_, slack_;
 };
 
-class Room final : public Gentle {
+class RoomAlongWay final : public Gentle {
  public:
-  Room(std::vector<Stretch> way, const WaySettings& settings) : Gentle(std::move(way), settings, 1, 0) {
+  RoomAlongWay(std::vector<Stretch> way, const WaySettings& settings)
+      : Gentle(std::move(way), settings, 1, 0) {
     std::erase_if(way_, [](const Stretch& s) { return !s.room; });
     for (Stretch& s : way_) s.from.z += settings.lift, s.to.z += settings.lift;
   }
@@ -128,7 +129,7 @@ FloorAt floor_at(const Stretch& stretch, Vec3d p) {
 }
 
 field::FunctionPtr room_of(std::vector<Stretch> way, const WaySettings& settings) {
-  return std::make_shared<Room>(std::move(way), settings);
+  return std::make_shared<RoomAlongWay>(std::move(way), settings);
 }
 
 field::FunctionPtr floor_of(std::vector<Stretch> way, const WaySettings& settings) {

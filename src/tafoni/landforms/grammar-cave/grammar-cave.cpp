@@ -19,12 +19,12 @@
 #include "tafoni/landforms/measures.h"
 #include "tafoni/math/angle.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_grammar_cave {
 namespace {
 
 using grammar::Pose;
+using impl::CaveMouth;
 using impl::Ground;
-using impl::Mouth;
 using impl::Stretch;
 
 enum class Stream : std::uint64_t { bends = 1, floor = 3 };
@@ -218,13 +218,13 @@ class Cave {
     return result;
   }
 
-  std::optional<Mouth> mouth() {
+  std::optional<CaveMouth> mouth() {
     impl::MouthSettings settings;
     settings.rise = way_settings_.lift + p_.flat * p_.size + p_.roof;
     settings.within = mouth_within + mouth_within_sizes * p_.size;
     if (!p_.at.empty()) {
       const Vec2d at{p_.at[0] - site_.origin.x, p_.at[1] - site_.origin.y};
-      Mouth given = impl::mouth_at(ground_, at, settings);
+      CaveMouth given = impl::mouth_at(ground_, at, settings);
       if (p_.at.size() == 3) given.inward = {std::sin(p_.at[2] * degree), std::cos(p_.at[2] * degree), 0};
       return ground_.usable(given.at) ? std::optional(given) : std::nullopt;
     }
@@ -302,7 +302,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_grammar_cave() {
+const LandformType& declaration() {
   static const LandformType type{
       .about = {.name = "grammar-cave",
                 .doc =
@@ -314,4 +314,4 @@ const LandformType& landform_grammar_cave() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_grammar_cave

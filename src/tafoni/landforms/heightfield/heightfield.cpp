@@ -9,7 +9,7 @@
 #include "tafoni/raster/distance.h"
 #include "tafoni/terrain/generator.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_heightfield {
 namespace {
 
 using impl::Ground;
@@ -138,7 +138,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_heightfield() {
+const LandformType& declaration() {
   static const LandformType type{
       .about =
           {.name = "heightfield",
@@ -151,4 +151,4 @@ const LandformType& landform_heightfield() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_heightfield

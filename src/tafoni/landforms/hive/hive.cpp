@@ -15,7 +15,7 @@
 #include "tafoni/landforms/rock/fractal_ground.h"
 #include "tafoni/math/angle.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_hive {
 namespace {
 
 using impl::Ground;
@@ -332,7 +332,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_hive() {
+const LandformType& declaration() {
   static const LandformType type{
       .about = {.name = "hive",
                 .doc = "Rough ground with entrances on its hillsides, fractal tunnels and chambers, all "
@@ -344,4 +344,4 @@ const LandformType& landform_hive() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_hive

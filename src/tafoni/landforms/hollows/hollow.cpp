@@ -13,7 +13,7 @@ namespace {
 
 using volume::ScalarGrid;
 
-enum class Stream : std::uint64_t { walls = 0x407 };
+enum class HollowStream : std::uint64_t { walls = 0x407 };
 
 class HollowShape final : public RockShape {
  public:
@@ -157,7 +157,7 @@ Hollow::Hollow(const Ground& ground, const HollowParams& params, double radius) 
   texture_.wavelength = 1.6 * radius;
   texture_.amplitude = site.amplitude;
   texture_.origin = site.origin;
-  texture_.seed = hash_combine(site.seed, Stream::walls);
+  texture_.seed = hash_combine(site.seed, HollowStream::walls);
 }
 
 Box3d Hollow::bounds(double reach) const {

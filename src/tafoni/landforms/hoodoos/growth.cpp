@@ -13,11 +13,11 @@
 namespace tafoni::landforms::impl {
 namespace {
 
-enum class Stream : std::uint64_t { choices = 0x6772 };
+enum class GrowthStream : std::uint64_t { choices = 0x6772 };
 
 // A hoodoo that anyone can mean stays far below; a rule that does not end passes them within a blink.
 constexpr std::size_t most_symbols = 20000;
-constexpr int deepest = 1000;
+constexpr int deepest_growth = 1000;
 constexpr double most_repeats = 1000;
 
 /// What expressions can read: a derivation's values by place, and their names.
@@ -167,7 +167,7 @@ Expression* GrowthRules::argument(Term& term, std::string_view name) const {
 class Derivation {
  public:
   Derivation(const GrowthRules& rules, const Axiom& axiom, const Surroundings& surroundings)
-      : rules_(rules), axiom_(axiom), around_(surroundings), random_(axiom.seed, Stream::choices) {}
+      : rules_(rules), axiom_(axiom), around_(surroundings), random_(axiom.seed, GrowthStream::choices) {}
 
   std::vector<Terminal> run(int symbol) {
     const double s = axiom_.radius;
@@ -282,12 +282,13 @@ class Derivation {
 
   /// Fails where growth has become more than anyone can mean.
   void check_end(const GrowthRules::Rule& rule, std::size_t symbols, int depth) const {
-    if (symbols < most_symbols && depth < deepest) return;
+    if (symbols < most_symbols && depth < deepest_growth) return;
     fail(ErrorKind::usage,
          "{} does not come to an end: {} in one hoodoo; let its weight become 0 somewhere, as with \"h < "
          "height\"",
          rule.where,
-         depth >= deepest ? fmt::format("{} generations", deepest) : fmt::format("{} symbols", most_symbols));
+         depth >= deepest_growth ? fmt::format("{} generations", deepest_growth)
+                                 : fmt::format("{} symbols", most_symbols));
   }
 
   double run(const Expression& expression) { return expression({values_, &random_, &probe_}); }

@@ -16,7 +16,7 @@
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/site/ground.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_hoodoos {
 namespace {
 
 using impl::Ground;
@@ -224,7 +224,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_hoodoos() {
+const LandformType& declaration() {
   static const LandformType type{
       .about = {.name = "hoodoos",
                 .doc = "Pillars of bedded rock with necks where it is soft and caps where it is hard",
@@ -235,4 +235,4 @@ const LandformType& landform_hoodoos() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_hoodoos

@@ -19,7 +19,7 @@
 namespace tafoni::landforms::impl {
 namespace {
 
-enum class Stream : std::uint64_t { stands = 0x70 };
+enum class StandsStream : std::uint64_t { stands = 0x70 };
 /// Of the stands' own seed.
 enum class Sub : std::uint64_t { clusters = 0xc1, darts = 0x5ead };
 
@@ -55,7 +55,7 @@ Stands::Stands(const Ground& ground, const StandSettings& settings, double radiu
       settings_(settings),
       across_(across_in_radii * radius),
       margin_(margin_in_radii * radius),
-      seed_(hash_combine(ground.site().seed, Stream::stands)) {
+      seed_(hash_combine(ground.site().seed, StandsStream::stands)) {
   if (!(settings.spacing > 0)) settings_.spacing = spacing_in_radii * radius;
   if (!(settings.catchment > 0))
     settings_.catchment = std::max(least_catchment, catchment_in_pixels * ground.pixel());

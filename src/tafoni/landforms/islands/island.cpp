@@ -12,6 +12,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/site/spatial_hash.h"
 #include "tafoni/landforms/site/steepest_slope.h"
+#include "tafoni/math/angle.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
 #include "tafoni/raster/distance.h"
@@ -20,7 +21,7 @@ namespace tafoni::landforms::impl {
 namespace {
 
 /// Of an island's own seed.
-enum class Stream : std::uint64_t {
+enum class IslandStream : std::uint64_t {
   choices = 1,
   outline = 2,
   rags = 3,
@@ -31,7 +32,6 @@ enum class Stream : std::uint64_t {
   roughness = 9
 };
 
-constexpr double full_turn = 2 * std::numbers::pi;
 constexpr int pixels = 160;  // of each raster's side: finer than any voxel that shows a whole island
 
 // Chosen by eye; shares of the island's size unless said otherwise.
@@ -54,7 +54,7 @@ constexpr double roughness = 0.05;
 class Shape {
  public:
   Shape(const Ground& ground, const Island& island, const IslandSettings& settings)
-      : ground_(ground), p_(settings), island_(island), random_(island.seed, Stream::choices) {
+      : ground_(ground), p_(settings), island_(island), random_(island.seed, IslandStream::choices) {
     const double side = raster_side * island.size;
     placement_ = {island.middle.x - 0.5 * side, island.middle.y + 0.5 * side, side / pixels, side / pixels};
     outline();
@@ -65,10 +65,10 @@ class Shape {
     auto top = raster(), under = raster();
     hang_roots();
     const double size = island_.size;
-    hills_ = layer(0.45 * size, 5, Stream::hills);
-    bends_ = {layer(0.1 * size, 3, Stream::bend_x), layer(0.1 * size, 3, Stream::bend_y)};
-    rim_ = layer(0.2 * size, 2, Stream::rim);
-    rough_ = layer(0.06 * size, 4, Stream::roughness);
+    hills_ = layer(0.45 * size, 5, IslandStream::hills);
+    bends_ = {layer(0.1 * size, 3, IslandStream::bend_x), layer(0.1 * size, 3, IslandStream::bend_y)};
+    rim_ = layer(0.2 * size, 2, IslandStream::rim);
+    rough_ = layer(0.06 * size, 4, IslandStream::roughness);
     for (int row = 0; row < pixels; ++row)
       for (int col = 0; col < pixels; ++col) {
         const double in = inside_->values.at(col, row);
@@ -117,13 +117,13 @@ class Shape {
     return made;
   }
 
-  double noise(Vec2d at, double wavelength, int octaves, Stream stream) const {
+  double noise(Vec2d at, double wavelength, int octaves, IslandStream stream) const {
     const Vec3d p{at.x / wavelength, at.y / wavelength, 0};
     return 2 * double{fbm(p, octaves, hash_combine(island_.seed, stream))} - 1;
   }
 
   /// The same at every pixel.
-  raster::Grid<float> layer(double wavelength, int octaves, Stream stream) const {
+  raster::Grid<float> layer(double wavelength, int octaves, IslandStream stream) const {
     std::vector<Vec3d> places;
     for (int row = 0; row < pixels; ++row)
       for (int col = 0; col < pixels; ++col) {
@@ -144,9 +144,9 @@ class Shape {
     for (int i = 0; i < corners; ++i) {
       const double a = full_turn * i / corners, c = std::cos(a), s = std::sin(a);
       const Vec2d unit{c, s};
-      const double r =
-          0.5 * island_.size *
-          (1 + 0.55 * noise(unit, 1.1, 2, Stream::outline) + 0.16 * noise(unit, 0.17, 3, Stream::rags));
+      const double r = 0.5 * island_.size *
+                       (1 + 0.55 * noise(unit, 1.1, 2, IslandStream::outline) +
+                        0.16 * noise(unit, 0.17, 3, IslandStream::rags));
       const double x = r * c, y = r * s * slim;
       ring.push_back({island_.middle.x + x * std::cos(turn) - y * std::sin(turn),
                       island_.middle.y + x * std::sin(turn) + y * std::cos(turn)});

@@ -9,16 +9,15 @@
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/islands/island.h"
 #include "tafoni/landforms/landform.h"
+#include "tafoni/math/angle.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_islands {
 namespace {
 
 using impl::Ground;
 using impl::Island;
 
 enum class Stream : std::uint64_t { places = 0x151 };
-
-constexpr double full_turn = 2 * std::numbers::pi;
 
 // Chosen by eye; shares of an island's size unless said otherwise.
 constexpr double size_share = 0.25;              // of the terrain's shorter side
@@ -169,7 +168,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_islands() {
+const LandformType& declaration() {
   static const LandformType type{
       .about = {.name = "islands",
                 .doc = "Floating islands: each the rock between a piece of terrain and an inverted one",
@@ -180,4 +179,4 @@ const LandformType& landform_islands() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_islands

@@ -18,7 +18,7 @@ namespace tafoni::landforms::impl {
 namespace {
 
 /// The streams of passages, dolines and rooms are counted on from these.
-enum class Stream : std::uint64_t {
+enum class CarvingStream : std::uint64_t {
   unevenness = 11,
   breadth = 12,
   slots = 13,
@@ -28,7 +28,7 @@ enum class Stream : std::uint64_t {
   rooms = 0x40000000
 };
 
-Random random_of(std::uint64_t seed, Stream first, std::size_t i) {
+Random random_of(std::uint64_t seed, CarvingStream first, std::size_t i) {
   return Random(seed, static_cast<std::uint64_t>(first) + i);
 }
 
@@ -70,7 +70,7 @@ class Carver {
         radius_(size.radius),
         s_(s),
         seed_(seed),
-        random_(random_of(seed, Stream::passages, passage)),
+        random_(random_of(seed, CarvingStream::passages, passage)),
         amplitude_(ground.site().amplitude) {}
 
   void carve(const Passage& passage) {
@@ -87,12 +87,13 @@ class Carver {
     std::array<std::vector<float>, 3> noise;
     std::vector<Vec3d> places(n);
     struct Unevenness {
-      Stream stream;
+      CarvingStream stream;
       double waves;  ///< a radius
       int octaves;
     };
-    constexpr std::array<Unevenness, 3> kinds = {
-        {{Stream::unevenness, 0.35, 3}, {Stream::breadth, 0.16, 2}, {Stream::slots, 0.12, 2}}};
+    constexpr std::array<Unevenness, 3> kinds = {{{CarvingStream::unevenness, 0.35, 3},
+                                                  {CarvingStream::breadth, 0.16, 2},
+                                                  {CarvingStream::slots, 0.12, 2}}};
     for (std::size_t k = 0; k < kinds.size(); ++k) {
       noise[k].resize(n);
       for (std::size_t i = 0; i < n; ++i)
@@ -319,11 +320,11 @@ field::NodePtr carve_passages(const CaveSystem& caves, const Ground& ground, con
       walls[i] = std::move(carver.wall_points);
     } else if (i < passages + rooms) {
       halls[i - passages] =
-          carve_room(caves.chambers[i - passages], ground, random_of(seed, Stream::rooms, i),
-                     hash_combine(seed, Stream::rooms_outline));
+          carve_room(caves.chambers[i - passages], ground, random_of(seed, CarvingStream::rooms, i),
+                     hash_combine(seed, CarvingStream::rooms_outline));
     } else {
       parts[i] = carve_doline(caves.swallets[i - passages - rooms], size.radius,
-                              random_of(seed, Stream::dolines, i));
+                              random_of(seed, CarvingStream::dolines, i));
     }
   });
   std::vector<Point> body = join(parts), wall = join(walls), hall = join(halls);

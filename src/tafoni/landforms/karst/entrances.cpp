@@ -17,7 +17,7 @@
 namespace tafoni::landforms::impl {
 namespace {
 
-enum class Stream : std::uint64_t { surface = 0xface };
+enum class EntrancesStream : std::uint64_t { surface = 0xface };
 
 // Chosen by eye.
 constexpr double apart = 3;             // spacings between entrances: each then has room for a network
@@ -91,7 +91,7 @@ class Chooser {
     sampling.spacing = std::clamp(std::max(extent.x, extent.y) / samples_across, 0.5 * size_.spacing,
                                   std::max(1.5 * size_.spacing, 1e-3));
     sampling.box = ground_.box();
-    sampling.seed = hash_combine(ground_.site().seed, Stream::surface);
+    sampling.seed = hash_combine(ground_.site().seed, EntrancesStream::surface);
     sampling.accept = [&](const SurfaceSample& at) {
       return at.normal.z > least_up && high(at.position) && ground_.usable(at.position, size_.spacing);
     };

@@ -12,7 +12,7 @@
 #include "tafoni/landforms/landform.h"
 #include "tafoni/math/angle.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_karst {
 namespace {
 
 using impl::Ground;
@@ -154,7 +154,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_karst() {
+const LandformType& declaration() {
   static const LandformType type{
       .about = {.name = "karst",
                 .doc = "Caves that water opens through soft rock, with sinkholes above and exits in cliffs",
@@ -165,4 +165,4 @@ const LandformType& landform_karst() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_karst

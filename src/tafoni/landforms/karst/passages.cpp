@@ -18,7 +18,7 @@
 namespace tafoni::landforms::impl {
 namespace {
 
-enum class Stream : std::uint64_t { winding_x = 1, winding_y, winding_z };
+enum class PassagesStream : std::uint64_t { winding_x = 1, winding_y, winding_z };
 
 // Chosen by eye.
 constexpr double least_stress = 0.3;  // of the last twig, as a share of the trunk's
@@ -246,9 +246,9 @@ class Shaper {
     const double amplitude = winding_reach * s_.winding * size_.spacing;
     std::vector<float> noise(line.size());
     for (const Vec3d axis : {Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, winding_up}}) {
-      const Stream stream = axis.x > 0   ? Stream::winding_x
-                            : axis.y > 0 ? Stream::winding_y
-                                         : Stream::winding_z;
+      const PassagesStream stream = axis.x > 0   ? PassagesStream::winding_x
+                                    : axis.y > 0 ? PassagesStream::winding_y
+                                                 : PassagesStream::winding_z;
       fbm(world, 2, hash_combine(seed_, stream), noise);
       for (std::size_t i = 0; i < line.size(); ++i) line[i] += axis * (amplitude * (noise[i] - 0.5));
     }

@@ -12,13 +12,12 @@
 
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/site/spatial_hash.h"
+#include "tafoni/math/angle.h"
 
 namespace tafoni::landforms::impl {
 namespace {
 
-enum class Stream : std::uint64_t { directions = 0x70 };
-
-constexpr double full_turn = 2 * std::numbers::pi;
+enum class PercolationStream : std::uint64_t { directions = 0x70 };
 
 // Chosen by eye; lengths in spacings unless said otherwise.
 constexpr double shortest_step = 1.001, longest_step = 1.4;  // of a way: just outside the sphere it leaves
@@ -39,7 +38,7 @@ class Percolator {
         s_(settings),
         space_(space),
         progress_(progress),
-        random_(space.seed, Stream::directions),
+        random_(space.seed, PercolationStream::directions),
         spheres_(2 * space.spacing),
         mouths_(2 * mouths_apart * space.spacing) {}
 

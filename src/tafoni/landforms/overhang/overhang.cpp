@@ -13,7 +13,7 @@
 #include "tafoni/math/smoothstep.h"
 #include "tafoni/terrain/analysis.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_overhang {
 namespace {
 
 // Chosen by eye.
@@ -137,7 +137,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_overhang() {
+const LandformType& declaration() {
   static const LandformType type{
       .about =
           {.name = "overhang",
@@ -150,4 +150,4 @@ const LandformType& landform_overhang() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_overhang

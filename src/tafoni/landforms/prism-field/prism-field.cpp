@@ -18,7 +18,7 @@
 #include "tafoni/landforms/site/region.h"
 #include "tafoni/volume/prism_convert.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_prism_field {
 namespace {
 
 using impl::Ground;
@@ -353,7 +353,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_prism_field() {
+const LandformType& declaration() {
   static const LandformType type{
       .about = {.name = "prism-field",
                 .doc = "Ground as layers of columns, dug and built with spheres, capsules, boxes and hulls",
@@ -364,4 +364,4 @@ const LandformType& landform_prism_field() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_prism_field

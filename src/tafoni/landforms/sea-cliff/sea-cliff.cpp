@@ -19,7 +19,7 @@
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_sea_cliff {
 namespace {
 
 using impl::Attack;
@@ -398,7 +398,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_sea_cliff() {
+const LandformType& declaration() {
   static const LandformType type{
       .about = {.name = "sea-cliff",
                 .doc = "Wave-cut notches, overhanging cliffs, sea caves and arches about the sea level",
@@ -409,4 +409,4 @@ const LandformType& landform_sea_cliff() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_sea_cliff

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double half_turn = std::numbers::pi;
 
-enum class Stream : std::uint64_t { places = 0xcafe };
+enum class SeaCavesStream : std::uint64_t { places = 0xcafe };
 
 Vec3d turn_by(Vec3d d, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
@@ -146,7 +146,7 @@ SeaCaves sea_caves(const field::CompiledField& field, const Ground& ground, cons
                    [](const Attack& a, const Attack& b) { return a.effect > b.effect; });
   SeaCaves caves;
   SpatialHash taken(2 * settings.cave_spacing, 64);
-  Random spread(settings.seed, Stream::places);
+  Random spread(settings.seed, SeaCavesStream::places);
   for (const Attack& attack : attacks) {
     progress.check();
     const double apart = settings.cave_spacing * spread.uniform(0.6, 1.0);

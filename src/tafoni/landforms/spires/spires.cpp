@@ -14,7 +14,7 @@
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_spires {
 namespace {
 
 using impl::Ground;
@@ -239,7 +239,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_spires() {
+const LandformType& declaration() {
   static const LandformType type{
       .about = {.name = "spires",
                 .doc = "Tall towers of bedded rock that stand between joints, singly and in groves",
@@ -250,4 +250,4 @@ const LandformType& landform_spires() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_spires

@@ -16,7 +16,7 @@
 #include "tafoni/math/smoothstep.h"
 #include "tafoni/terrain/analysis.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_stratified_cliff {
 namespace {
 
 using impl::Ground;
@@ -283,7 +283,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_stratified_cliff() {
+const LandformType& declaration() {
   static const LandformType type{
       .about = {.name = "stratified-cliff",
                 .doc = "Faces whose soft beds recede between hard ones that overhang, without any primitive",
@@ -294,4 +294,4 @@ const LandformType& landform_stratified_cliff() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_stratified_cliff

@@ -10,7 +10,7 @@
 #include "tafoni/landforms/site/table_rows.h"
 #include "tafoni/math/angle.h"
 
-namespace tafoni::landforms {
+namespace tafoni::landforms::landform_tunnels {
 namespace {
 
 using impl::Ground;
@@ -145,7 +145,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
 
 }  // namespace
 
-const LandformType& landform_tunnels() {
+const LandformType& declaration() {
   static const LandformType type{
       .about = {.name = "tunnels",
                 .doc = "Fractal tunnels that wind and swell, through hills or between given ends",
@@ -156,4 +156,4 @@ const LandformType& landform_tunnels() {
   return type;
 }
 
-}  // namespace tafoni::landforms
+}  // namespace tafoni::landforms::landform_tunnels

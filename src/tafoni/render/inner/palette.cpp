@@ -38,7 +38,7 @@ constexpr float fade_from = 0.25f, fade_gone = 0.7f;
 constexpr std::uint64_t texture_seed = 0x7af0;
 
 /// Each texture's noise has a stream of its own.
-enum class Stream : std::uint64_t {
+enum class PaletteStream : std::uint64_t {
   beds = 1,
   banks,
   stain,
@@ -55,7 +55,7 @@ Vec3f mix(Vec3f a, Vec3f b, float t) {
 }
 
 /// Noise in [-1, 1] of the given wavelength, fading to 0 where vertices are too far apart to hold it.
-float texture(Vec3d p, Vec3d wavelength, float spacing, int octaves, Stream stream) {
+float texture(Vec3d p, Vec3d wavelength, float spacing, int octaves, PaletteStream stream) {
   const double shortest = std::min({wavelength.x, wavelength.y, wavelength.z});
   const float kept = 1 - smoothstep(fade_from, fade_gone, spacing / static_cast<float>(shortest));
   if (kept <= 0) return 0;
@@ -70,10 +70,10 @@ Vec3f bare_rock(const GroundLook& s) {
   Vec3f rock = rho < 0.5f ? mix(soft_rock, middle_rock, rho * 2) : mix(middle_rock, hard_rock, rho * 2 - 1);
   // Bedding: long along the strata, short across them; it shows on faces, not on treads.
   const float face = 1 - smoothstep(face_from, tread_from, std::abs(s.normal.z));
-  const float beds = texture(s.position, {90, 90, 3.5}, s.spacing, 2, Stream::beds) * 0.75f +
-                     texture(s.position, {260, 260, 14}, s.spacing, 2, Stream::banks) * 0.85f;
-  const float stain = texture(s.position, {7, 7, 22}, s.spacing, 3, Stream::stain);
-  const float blotch = texture(s.position, {45, 45, 45}, s.spacing, 3, Stream::blotch);
+  const float beds = texture(s.position, {90, 90, 3.5}, s.spacing, 2, PaletteStream::beds) * 0.75f +
+                     texture(s.position, {260, 260, 14}, s.spacing, 2, PaletteStream::banks) * 0.85f;
+  const float stain = texture(s.position, {7, 7, 22}, s.spacing, 3, PaletteStream::stain);
+  const float blotch = texture(s.position, {45, 45, 45}, s.spacing, 3, PaletteStream::blotch);
   rock = rock * (1 + beds_contrast * face * beds + stain_contrast * stain + blotch_contrast * blotch);
   // Iron: some beds run to rust.
   const float rust = std::clamp(0.55f * (beds + blotch) * face, 0.0f, 0.5f);
@@ -83,11 +83,11 @@ Vec3f bare_rock(const GroundLook& s) {
 
 /// Grass on treads above the spray, thinning to soil where it is steeper.
 Vec3f grow_plants(const GroundLook& s, Vec3f rock) {
-  const float dryness = 0.42f +
-                        0.5f * texture(s.position, {420, 420, 420}, s.spacing, 3, Stream::dry_country) +
-                        0.55f * texture(s.position, {70, 70, 70}, s.spacing, 4, Stream::dry_patches) +
-                        0.3f * texture(s.position, {9, 9, 9}, s.spacing, 2, Stream::dry_tufts);
-  const float ragged = 0.16f * texture(s.position, {16, 16, 16}, s.spacing, 3, Stream::ragged_plants);
+  const float dryness =
+      0.42f + 0.5f * texture(s.position, {420, 420, 420}, s.spacing, 3, PaletteStream::dry_country) +
+      0.55f * texture(s.position, {70, 70, 70}, s.spacing, 4, PaletteStream::dry_patches) +
+      0.3f * texture(s.position, {9, 9, 9}, s.spacing, 2, PaletteStream::dry_tufts);
+  const float ragged = 0.16f * texture(s.position, {16, 16, 16}, s.spacing, 3, PaletteStream::ragged_plants);
   const Vec3f grass = mix(meadow, dry_grass, std::clamp(dryness, 0.0f, 1.0f));
   const float above_spray = smoothstep(spray_from, spray_ends, s.height_above_sea + 12 * ragged);
   const float ground = smoothstep(soil_from, soil_full, s.normal.z + ragged) * above_spray;
@@ -97,7 +97,7 @@ Vec3f grow_plants(const GroundLook& s, Vec3f rock) {
 
 /// Sand on flats at the sea, and a dark wet band.
 Vec3f wash_shore(const GroundLook& s, Vec3f color) {
-  const float ragged = texture(s.position, {12, 12, 12}, s.spacing, 2, Stream::ragged_shore);
+  const float ragged = texture(s.position, {12, 12, 12}, s.spacing, 2, PaletteStream::ragged_shore);
   const float h = s.height_above_sea + ragged;
   const float beach = smoothstep(0.80f, 0.93f, s.normal.z) * (1 - smoothstep(beach_full, beach_ends, h));
   color = mix(color, sand * (1 + 0.1f * ragged), beach);

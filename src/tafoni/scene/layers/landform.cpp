@@ -2,7 +2,7 @@
 #include "tafoni/io/csv.h"
 #include "tafoni/scene/layers/impl/site.h"
 
-namespace tafoni::scene {
+namespace tafoni::scene::layer_landform {
 namespace {
 
 landforms::Result make(const impl::LayerParts& parts, impl::Readers& readers) {
@@ -27,7 +27,7 @@ landforms::Result make(const impl::LayerParts& parts, impl::Readers& readers) {
 
 }  // namespace
 
-const LayerKind& layer_landform() {
+const LayerKind& declaration() {
   static const LayerKind kind = [] {
     LayerKind out{.listed_as = "landforms"};
     for (const landforms::LandformType* landform : landforms::all_landforms())
@@ -37,4 +37,4 @@ const LayerKind& layer_landform() {
   return kind;
 }
 
-}  // namespace tafoni::scene
+}  // namespace tafoni::scene::layer_landform

@@ -6,7 +6,7 @@
 #include "tafoni/io/csv.h"
 #include "tafoni/scene/layers/impl/site.h"
 
-namespace tafoni::scene {
+namespace tafoni::scene::layer_primitives {
 namespace {
 
 struct Params {
@@ -70,7 +70,7 @@ landforms::Result make(const impl::LayerParts& parts, impl::Readers&) {
 
 }  // namespace
 
-const LayerKind& layer_primitives() {
+const LayerKind& declaration() {
   static const LayerKind kind{.types = {{
                                   .about = {.name = "primitives",
                                             .doc = "Explicit primitives from a file",
@@ -83,4 +83,4 @@ const LayerKind& layer_primitives() {
   return kind;
 }
 
-}  // namespace tafoni::scene
+}  // namespace tafoni::scene::layer_primitives

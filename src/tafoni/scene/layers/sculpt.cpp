@@ -7,7 +7,7 @@
 #include "tafoni/scene/layers/impl/site.h"
 #include "tafoni/scene/sculpt/impl/stroke_files.h"
 
-namespace tafoni::scene {
+namespace tafoni::scene::layer_sculpt {
 namespace {
 
 using impl::Keyed;
@@ -94,7 +94,7 @@ bool changed(const impl::BuiltLayer* before, const impl::BuiltLayer* now, std::v
 
 }  // namespace
 
-const LayerKind& layer_sculpt() {
+const LayerKind& declaration() {
   static const LayerKind kind{.types = {{
                                   .about = {.name = "sculpt",
                                             .doc = "Strokes of brushes, from a text file and from a journal",
@@ -108,4 +108,4 @@ const LayerKind& layer_sculpt() {
   return kind;
 }
 
-}  // namespace tafoni::scene
+}  // namespace tafoni::scene::layer_sculpt

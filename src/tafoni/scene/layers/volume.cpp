@@ -8,7 +8,7 @@
 #include "tafoni/scene/layers/impl/site.h"
 #include "tafoni/volume/scalar_grid.h"
 
-namespace tafoni::scene {
+namespace tafoni::scene::layer_volume {
 namespace {
 
 using volume::ScalarGrid;
@@ -156,7 +156,7 @@ landforms::Result make(const impl::LayerParts& parts, impl::Readers& readers) {
 
 }  // namespace
 
-const LayerKind& layer_volume() {
+const LayerKind& declaration() {
   static const LayerKind kind{.types = {{
                                   .about = {.name = "volume",
                                             .doc = "A sampled volume from a file",
@@ -171,4 +171,4 @@ const LayerKind& layer_volume() {
   return kind;
 }
 
-}  // namespace tafoni::scene
+}  // namespace tafoni::scene::layer_volume

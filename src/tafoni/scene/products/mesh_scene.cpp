@@ -3,22 +3,18 @@
 #include "tafoni/scene/products/mesh_scene.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <optional>
 #include <vector>
 
+#include "tafoni/core/clock.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/raster/resample.h"
 #include "tafoni/render/inner/palette.h"
 
 namespace tafoni::scene {
 namespace {
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 void finish(const BuiltScene& scene, mesh::Mesh& mesh, MeshResult& result, Progress& progress) {
   mesh.origin = scene.terrain.origin;

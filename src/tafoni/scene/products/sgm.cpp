@@ -3,8 +3,8 @@
 #include "tafoni/scene/products/sgm.h"
 
 #include <algorithm>
-#include <chrono>
 
+#include "tafoni/core/clock.h"
 #include "tafoni/core/error.h"
 #include "tafoni/landforms/measures.h"
 #include "tafoni/mesh/metrics.h"
@@ -13,10 +13,6 @@ namespace tafoni::scene {
 namespace {
 
 constexpr std::string_view kind = "grammar-cave";
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 const LayerResult& find(const BuiltScene& scene, const std::string& name) {
   for (const LayerResult& layer : scene.layers)

@@ -8,7 +8,7 @@
 namespace tafoni::scene {
 
 const BrushType& find_brush(std::string_view name) {
-  return find(all_brushes(), name, "brush");
+  return tafoni::find(all_brushes(), name, "brush");
 }
 
 std::vector<ParamInfo> params_of_brush(const BrushType& brush, const Values& values) {

@@ -2,10 +2,10 @@
 // counts its own, sums of counts give the numbers, and vertices and triangles are copied in their order.
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <memory>
 
+#include "tafoni/core/clock.h"
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/surface/impl/connect.h"
@@ -14,10 +14,6 @@ namespace tafoni::surface::impl {
 namespace {
 
 constexpr std::uint32_t gone = std::numeric_limits<std::uint32_t>::max();
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// A vertex of a piece that an earlier piece has already.
 struct Repeat {

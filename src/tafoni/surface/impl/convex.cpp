@@ -111,7 +111,7 @@ struct Table {
   }
 };
 
-const Table& table() {
+const Table& merge_table() {
   static const Table made;
   return made;
 }
@@ -147,11 +147,11 @@ bool may_be_planar(Vec3f a, Vec3f b, Vec3f c, Vec3f d, double tolerance) {
 }  // namespace
 
 const ConvexPieces& convex_pieces(int solid, int merge) {
-  return table().pieces[solid * merges + merge];
+  return merge_table().pieces[solid * merges + merge];
 }
 
 int best_merge(int solid, const std::uint32_t* triangles, const Vec3f* positions, double tolerance) {
-  const Table& t = table();
+  const Table& t = merge_table();
   const int diagonals = t.diagonals[solid];
   int possible = 0;
   for (int d = 0; d < diagonals; ++d) {

@@ -3,10 +3,10 @@
 
 #include "tafoni/surface/impl/piece.h"
 
-#include <chrono>
 #include <cmath>
 #include <cstring>
 
+#include "tafoni/core/clock.h"
 #include "tafoni/core/error.h"
 #include "tafoni/mesh/inner/size32.h"
 
@@ -14,10 +14,6 @@ namespace tafoni::surface::impl {
 namespace {
 
 constexpr int n = field::chunk_cells;
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// Eight bricks' bits as 64 cells' bits.
 std::uint64_t cells_of_bricks(std::uint64_t bricks) {

@@ -17,7 +17,7 @@
 #include "tafoni/terrain/impl/rows.h"
 #include "tafoni/terrain/impl/stencil.h"
 
-namespace tafoni::terrain {
+namespace tafoni::terrain::generator_badlands {
 namespace {
 
 using impl::PlaneNoise;
@@ -298,7 +298,7 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 
 }  // namespace
 
-const GeneratorType& generator_badlands() {
+const GeneratorType& declaration() {
   static const GeneratorType type{
       .about = {.name = "badlands",
                 .doc = "An amphitheatre of fins, gullies and ledges below the rim of a plateau",
@@ -309,4 +309,4 @@ const GeneratorType& generator_badlands() {
   return type;
 }
 
-}  // namespace tafoni::terrain
+}  // namespace tafoni::terrain::generator_badlands

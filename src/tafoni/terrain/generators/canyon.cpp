@@ -13,7 +13,7 @@
 #include "tafoni/terrain/impl/rows.h"
 #include "tafoni/terrain/impl/valleys.h"
 
-namespace tafoni::terrain {
+namespace tafoni::terrain::generator_canyon {
 namespace {
 
 using impl::PlaneNoise;
@@ -233,7 +233,7 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 
 }  // namespace
 
-const GeneratorType& generator_canyon() {
+const GeneratorType& declaration() {
   static const GeneratorType type{
       .about = {.name = "canyon",
                 .doc = "A mesa cut by a winding river with side canyons, as at Zion",
@@ -244,4 +244,4 @@ const GeneratorType& generator_canyon() {
   return type;
 }
 
-}  // namespace tafoni::terrain
+}  // namespace tafoni::terrain::generator_canyon

@@ -10,7 +10,7 @@
 #include "tafoni/terrain/generator.h"
 #include "tafoni/terrain/impl/rows.h"
 
-namespace tafoni::terrain {
+namespace tafoni::terrain::generator_cliff {
 namespace {
 
 struct Cliff : GridSettings {
@@ -106,7 +106,7 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 
 }  // namespace
 
-const GeneratorType& generator_cliff() {
+const GeneratorType& declaration() {
   static const GeneratorType type{
       .about = {.name = "cliff",
                 .doc = "A plateau, one cliff and a shelf: a block to show rock on",
@@ -117,4 +117,4 @@ const GeneratorType& generator_cliff() {
   return type;
 }
 
-}  // namespace tafoni::terrain
+}  // namespace tafoni::terrain::generator_cliff

@@ -13,7 +13,7 @@
 #include "tafoni/terrain/impl/rows.h"
 #include "tafoni/terrain/impl/shore.h"
 
-namespace tafoni::terrain {
+namespace tafoni::terrain::generator_coast {
 namespace {
 
 using impl::PlaneNoise;
@@ -473,7 +473,7 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 
 }  // namespace
 
-const GeneratorType& generator_coast() {
+const GeneratorType& declaration() {
   static const GeneratorType type{
       .about = {.name = "coast",
                 .doc = "A rugged coast: cliffs, bays, stacks and a plateau with dolines",
@@ -484,4 +484,4 @@ const GeneratorType& generator_coast() {
   return type;
 }
 
-}  // namespace tafoni::terrain
+}  // namespace tafoni::terrain::generator_coast

@@ -10,7 +10,7 @@
 #include "tafoni/terrain/impl/plane_noise.h"
 #include "tafoni/terrain/impl/rows.h"
 
-namespace tafoni::terrain {
+namespace tafoni::terrain::generator_headland {
 namespace {
 
 using impl::PlaneNoise;
@@ -131,7 +131,7 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 
 }  // namespace
 
-const GeneratorType& generator_headland() {
+const GeneratorType& declaration() {
   static const GeneratorType type{
       .about = {.name = "headland",
                 .doc = "A headland of bedded limestone with upright cliffs between two coves",
@@ -142,4 +142,4 @@ const GeneratorType& generator_headland() {
   return type;
 }
 
-}  // namespace tafoni::terrain
+}  // namespace tafoni::terrain::generator_headland

@@ -2,7 +2,7 @@
 #include "tafoni/terrain/generator.h"
 #include "tafoni/terrain/impl/rows.h"
 
-namespace tafoni::terrain {
+namespace tafoni::terrain::generator_plane {
 namespace {
 
 struct Plane : GridSettings {
@@ -40,7 +40,7 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 
 }  // namespace
 
-const GeneratorType& generator_plane() {
+const GeneratorType& declaration() {
   static const GeneratorType type{
       .about = {.name = "plane",
                 .doc = "Level ground: to put volumes and solids on, or in their place",
@@ -51,4 +51,4 @@ const GeneratorType& generator_plane() {
   return type;
 }
 
-}  // namespace tafoni::terrain
+}  // namespace tafoni::terrain::generator_plane

@@ -12,7 +12,7 @@
 #include "tafoni/terrain/impl/rows.h"
 #include "tafoni/terrain/impl/valleys.h"
 
-namespace tafoni::terrain {
+namespace tafoni::terrain::generator_plateau {
 namespace {
 
 using impl::PlaneNoise;
@@ -276,7 +276,7 @@ raster::Raster generate(const Values& values, std::uint64_t seed, Progress& prog
 
 }  // namespace
 
-const GeneratorType& generator_plateau() {
+const GeneratorType& declaration() {
   static const GeneratorType type{
       .about = {.name = "plateau",
                 .doc = "Karst country: a plateau with dolines above a valley and a long cliff",
@@ -287,4 +287,4 @@ const GeneratorType& generator_plateau() {
   return type;
 }
 
-}  // namespace tafoni::terrain
+}  // namespace tafoni::terrain::generator_plateau

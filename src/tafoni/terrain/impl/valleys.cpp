@@ -10,7 +10,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-enum class Stream : std::uint64_t { course = 31, widths = 32, sides = 33 };
+enum class ValleysStream : std::uint64_t { course = 31, widths = 32, sides = 33 };
 
 /// Chosen by eye, so that rivers look like rivers and side valleys leave room for ridges.
 namespace look {
@@ -73,7 +73,8 @@ void Valleys::add_main(double middle, double bed, double gradient, double half_w
   const double across = to_north ? extent_.x : extent_.y, along = to_north ? extent_.y : extent_.x;
   const double heading = to_north ? pi / 2 : pi;
   RiverPoint mouth{{0, 0}, bed, half_width};
-  River river = walk(mouth, heading, 4 * (along + 2 * margin_), winding, Random(seed_, Stream::course));
+  River river =
+      walk(mouth, heading, 4 * (along + 2 * margin_), winding, Random(seed_, ValleysStream::course));
   // Cut where it has crossed the map, then put in its place.
   const auto progress = [&](Vec2d p) { return to_north ? p.y : -p.x; };
   std::size_t end = 0;
@@ -84,7 +85,7 @@ void Valleys::add_main(double middle, double bed, double gradient, double half_w
   mean /= static_cast<double>(river.size());
   const Vec2d shift =
       to_north ? Vec2d{middle * across - mean, -margin_} : Vec2d{extent_.x + margin_, middle * across - mean};
-  Random random(seed_, Stream::widths);
+  Random random(seed_, ValleysStream::widths);
   const double phase = random.uniform(0, 2 * pi);
   for (RiverPoint& p : river) {
     p.position = p.position + shift;
@@ -174,7 +175,7 @@ River Valleys::side_valley(const SideValleys& sides, std::size_t parent, int i, 
 void Valleys::add_sides(const SideValleys& sides, int generation) {
   const std::size_t parents = rivers_.size();
   const auto key =
-      hash_combine(static_cast<std::uint64_t>(Stream::sides), static_cast<std::uint64_t>(generation));
+      hash_combine(static_cast<std::uint64_t>(ValleysStream::sides), static_cast<std::uint64_t>(generation));
   Random random(seed_, key);
   for (std::size_t parent = 0; parent < parents; ++parent) {
     const double whole = rivers_[parent].back().along;

@@ -13,7 +13,8 @@ struct Blend {
 
 namespace tafoni::field {
 
-const OperatorType& operator_blend() {
+namespace operator_blend {
+const OperatorType& declaration() {
   static const OperatorType type{
       .about = {.name = "blend", .doc = "Sum of the operands", .source = "[Paris19 §5.3]"},
       .combination = {{
@@ -29,6 +30,7 @@ const OperatorType& operator_blend() {
   };
   return type;
 }
+}  // namespace operator_blend
 
 }  // namespace tafoni::field
 

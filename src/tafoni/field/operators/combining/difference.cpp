@@ -13,7 +13,8 @@ struct Difference {
 
 namespace tafoni::field {
 
-const OperatorType& operator_difference() {
+namespace operator_difference {
+const OperatorType& declaration() {
   static const OperatorType type{
       .about = {.name = "difference",
                 .doc = "The first operand without the solid of the second: min(a, -b)",
@@ -29,6 +30,7 @@ const OperatorType& operator_difference() {
   };
   return type;
 }
+}  // namespace operator_difference
 
 }  // namespace tafoni::field
 

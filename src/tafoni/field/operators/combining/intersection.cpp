@@ -13,7 +13,8 @@ struct Intersection {
 
 namespace tafoni::field {
 
-const OperatorType& operator_intersection() {
+namespace operator_intersection {
+const OperatorType& declaration() {
   static const OperatorType type{
       .about = {.name = "intersection",
                 .doc = "Solid where all operands are: the least value",
@@ -32,6 +33,7 @@ const OperatorType& operator_intersection() {
   };
   return type;
 }
+}  // namespace operator_intersection
 
 }  // namespace tafoni::field
 

@@ -13,7 +13,8 @@ struct Morph {
 
 namespace tafoni::field {
 
-const OperatorType& operator_morph() {
+namespace operator_morph {
+const OperatorType& declaration() {
   struct Params {
     double alpha = 0.5;
   };
@@ -35,6 +36,7 @@ const OperatorType& operator_morph() {
   };
   return type;
 }
+}  // namespace operator_morph
 
 }  // namespace tafoni::field
 

@@ -23,7 +23,8 @@ float at(float a, float b, float width) {
 
 }  // namespace
 
-const OperatorType& operator_round() {
+namespace operator_round {
+const OperatorType& declaration() {
   struct Params {
     double width = 1;
   };
@@ -54,6 +55,7 @@ const OperatorType& operator_round() {
   };
   return type;
 }
+}  // namespace operator_round
 
 }  // namespace tafoni::field
 

@@ -13,7 +13,8 @@ struct Union {
 
 namespace tafoni::field {
 
-const OperatorType& operator_union() {
+namespace operator_union {
+const OperatorType& declaration() {
   static const OperatorType type{
       .about = {.name = "union",
                 .doc = "Solid where any operand is: the greatest value",
@@ -32,6 +33,7 @@ const OperatorType& operator_union() {
   };
   return type;
 }
+}  // namespace operator_union
 
 }  // namespace tafoni::field
 

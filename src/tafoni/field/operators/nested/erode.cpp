@@ -103,7 +103,8 @@ NodePtr erode(NodePtr below, FunctionPtr control, FunctionPtr resistance, double
                                                             static_cast<float>(depth)))});
 }
 
-const OperatorType& operator_erode() {
+namespace operator_erode {
+const OperatorType& declaration() {
   struct Params {
     double depth = 2;
   };
@@ -117,5 +118,6 @@ const OperatorType& operator_erode() {
   };
   return type;
 }
+}  // namespace operator_erode
 
 }  // namespace tafoni::field

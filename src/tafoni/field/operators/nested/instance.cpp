@@ -247,7 +247,8 @@ NodePtr instances(NodePtr shape, std::span<const Placement> placements) {
       std::make_unique<InstanceNode>(std::move(shape), std::make_shared<Placements>(box, placements)));
 }
 
-const OperatorType& operator_instance() {
+namespace operator_instance {
+const OperatorType& declaration() {
   static const OperatorType type{
       .about =
           {.name = "instance",
@@ -258,5 +259,6 @@ const OperatorType& operator_instance() {
   };
   return type;
 }
+}  // namespace operator_instance
 
 }  // namespace tafoni::field

@@ -89,7 +89,8 @@ NodePtr transform(NodePtr tree, const Placement& placement) {
   return impl::make_nested(std::make_unique<TransformNode>(std::move(tree), placement));
 }
 
-const OperatorType& operator_transform() {
+namespace operator_transform {
+const OperatorType& declaration() {
   static const OperatorType type{
       .about = {.name = "transform",
                 .doc = "A tree moved, turned and scaled; lengths and field values alike, so that the field "
@@ -99,5 +100,6 @@ const OperatorType& operator_transform() {
   };
   return type;
 }
+}  // namespace operator_transform
 
 }  // namespace tafoni::field

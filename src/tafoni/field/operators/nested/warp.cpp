@@ -159,7 +159,8 @@ NodePtr warp(NodePtr below, FunctionPtr control, const WarpSettings& settings) {
   return impl::make_nested(std::make_unique<WarpNode>(std::move(below), std::move(control), settings));
 }
 
-const OperatorType& operator_warp() {
+namespace operator_warp {
+const OperatorType& declaration() {
   struct Params {
     double lateral_amplitude = 2, vertical_amplitude = 1, lateral = 20, vertical = 20;
     std::int64_t octaves = 3;
@@ -181,5 +182,6 @@ const OperatorType& operator_warp() {
   };
   return type;
 }
+}  // namespace operator_warp
 
 }  // namespace tafoni::field

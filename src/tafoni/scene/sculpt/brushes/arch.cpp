@@ -8,7 +8,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/scene/sculpt/brush.h"
 
-namespace tafoni::scene {
+namespace tafoni::scene::brush_arch {
 namespace {
 
 enum class Stream : std::uint64_t { bow = 1 };
@@ -95,7 +95,7 @@ void apply(const Stroke& stroke, std::uint64_t seed, Dab& dab) {
 
 }  // namespace
 
-const BrushType& brush_arch() {
+const BrushType& declaration() {
   static const BrushType type{
       .about = {.name = "arch",
                 .doc = "Between two feet: a rock arch (add), or an arched opening through a wall (carve)",
@@ -108,4 +108,4 @@ const BrushType& brush_arch() {
   return type;
 }
 
-}  // namespace tafoni::scene
+}  // namespace tafoni::scene::brush_arch

@@ -8,7 +8,7 @@
 #include "tafoni/math/smoothstep.h"
 #include "tafoni/scene/sculpt/brush.h"
 
-namespace tafoni::scene {
+namespace tafoni::scene::brush_cave {
 namespace {
 
 enum class Stream : std::uint64_t { sideways = 1, up = 2, width = 3, lone_room = 4, first_room = 5 };
@@ -121,7 +121,7 @@ void apply(const Stroke& stroke, std::uint64_t seed, Dab& dab) {
 
 }  // namespace
 
-const BrushType& brush_cave() {
+const BrushType& declaration() {
   static const BrushType type{
       .about = {.name = "cave",
                 .doc = "A passage of irregular width along a curve, with rooms; one point alone is a room",
@@ -133,4 +133,4 @@ const BrushType& brush_cave() {
   return type;
 }
 
-}  // namespace tafoni::scene
+}  // namespace tafoni::scene::brush_cave

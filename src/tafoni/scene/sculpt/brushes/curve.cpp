@@ -1,7 +1,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/scene/sculpt/brush.h"
 
-namespace tafoni::scene {
+namespace tafoni::scene::brush_curve {
 namespace {
 
 struct Params {
@@ -29,7 +29,7 @@ void apply(const Stroke& stroke, std::uint64_t, Dab& dab) {
 
 }  // namespace
 
-const BrushType& brush_curve() {
+const BrushType& declaration() {
   static const BrushType type{
       .about = {.name = "curve",
                 .doc = "A rough tunnel or ridge along a curve",
@@ -42,4 +42,4 @@ const BrushType& brush_curve() {
   return type;
 }
 
-}  // namespace tafoni::scene
+}  // namespace tafoni::scene::brush_curve

@@ -1,6 +1,6 @@
 #include "tafoni/scene/sculpt/brush.h"
 
-namespace tafoni::scene {
+namespace tafoni::scene::brush_paint {
 namespace {
 
 const std::vector<ParamInfo>& params() {
@@ -22,7 +22,7 @@ Painting paint(const Stroke& stroke) {
 
 }  // namespace
 
-const BrushType& brush_paint() {
+const BrushType& declaration() {
   static const BrushType type{
       .about = {.name = "paint",
                 .doc = "Weight along a line, in a mask that layers take as mask = \"paint:NAME\"",
@@ -34,4 +34,4 @@ const BrushType& brush_paint() {
   return type;
 }
 
-}  // namespace tafoni::scene
+}  // namespace tafoni::scene::brush_paint

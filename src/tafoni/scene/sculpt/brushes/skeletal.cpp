@@ -6,7 +6,7 @@
 #include "tafoni/field/primitive.h"
 #include "tafoni/scene/sculpt/brush.h"
 
-namespace tafoni::scene {
+namespace tafoni::scene::brush_skeletal {
 namespace {
 
 struct Params {
@@ -58,7 +58,7 @@ void apply(const Stroke& stroke, std::uint64_t, Dab& dab) {
 
 }  // namespace
 
-const BrushType& brush_skeletal() {
+const BrushType& declaration() {
   static const BrushType type{
       .about =
           {.name = "skeletal",
@@ -72,4 +72,4 @@ const BrushType& brush_skeletal() {
   return type;
 }
 
-}  // namespace tafoni::scene
+}  // namespace tafoni::scene::brush_skeletal

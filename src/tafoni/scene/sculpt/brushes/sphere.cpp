@@ -1,6 +1,6 @@
 #include "tafoni/scene/sculpt/brush.h"
 
-namespace tafoni::scene {
+namespace tafoni::scene::brush_sphere {
 namespace {
 
 void apply(const Stroke& stroke, std::uint64_t, Dab& dab) {
@@ -9,7 +9,7 @@ void apply(const Stroke& stroke, std::uint64_t, Dab& dab) {
 
 }  // namespace
 
-const BrushType& brush_sphere() {
+const BrushType& declaration() {
   static const BrushType type{
       .about = {.name = "sphere",
                 .doc = "A rough ball of rock or air at each point",
@@ -19,4 +19,4 @@ const BrushType& brush_sphere() {
   return type;
 }
 
-}  // namespace tafoni::scene
+}  // namespace tafoni::scene::brush_sphere
