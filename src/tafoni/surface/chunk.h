@@ -50,6 +50,7 @@ struct ChunkOrder {
   bool operator()(Vec3i a, Vec3i b) const { return std::tie(a.y, a.x, a.z) < std::tie(b.y, b.x, b.z); }
   bool operator()(const ChunkChange& a, const ChunkChange& b) const { return (*this)(a.chunk, b.chunk); }
 };
+inline constexpr ChunkOrder chunk_before{};
 
 /// The hash of unordered containers by chunk.
 struct ChunkHash {

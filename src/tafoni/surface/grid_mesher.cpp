@@ -23,8 +23,6 @@ using impl::GridChunkState;
 using impl::GridLayout;
 using volume::SampleBox;
 
-constexpr ChunkOrder before{};
-
 bool voxel_before(Vec3i a, Vec3i b) {
   return std::tie(a.z, a.y, a.x) < std::tie(b.z, b.y, b.x);
 }
@@ -93,7 +91,7 @@ std::vector<ChunkJob> GridMesher::State::jobs(const volume::ScalarGrid& grid,
             out.push_back({{a, b, c}, box});
   }
   std::stable_sort(out.begin(), out.end(),
-                   [](const ChunkJob& a, const ChunkJob& b) { return before(a.chunk, b.chunk); });
+                   [](const ChunkJob& a, const ChunkJob& b) { return chunk_before(a.chunk, b.chunk); });
   std::size_t count = 0;
   for (const ChunkJob& job : out)
     if (count && out[count - 1].chunk == job.chunk)
@@ -159,7 +157,7 @@ std::vector<ChunkChange> GridMesher::update(const volume::ScalarGrid& grid,
     if (job.differs) out.push_back({job.chunk, s.version});
     if (!job.state->mesh) s.chunks.erase(job.chunk);
   }
-  std::sort(out.begin(), out.end(), before);
+  std::sort(out.begin(), out.end(), chunk_before);
   s.complete = true;
   return out;
 }
@@ -172,7 +170,7 @@ GridChunkPtr GridMesher::chunk(Vec3i chunk) const {
 std::vector<Vec3i> GridMesher::chunks() const {
   std::vector<Vec3i> out;
   for (const auto& [at, state] : state_->chunks) out.push_back(at);
-  std::sort(out.begin(), out.end(), before);
+  std::sort(out.begin(), out.end(), chunk_before);
   return out;
 }
 

@@ -30,8 +30,6 @@ constexpr int samples = n + 1;
 constexpr int row_words = 2;
 constexpr int far = (1 << 30) - 1;  ///< beyond every cell, yet differences fit an int
 
-constexpr ChunkOrder before{};
-
 /// What is held of a chunk: its piece, in memory of its own, and what the next piece is made from.
 struct Chunk {
   Piece piece;
@@ -88,14 +86,14 @@ void Chunk::read_signs(const ChunkSamples& from, const BrickBox& box) {
 }
 
 /// Samples [lo, hi] of the lattice, or of one chunk.
-struct SampleBox {
+struct LatticeBox {
   Vec3i lo, hi;
 };
 
 /// A chunk to be made anew, and which of its samples may have changed.
 struct Job {
   Vec3i chunk;
-  SampleBox changed;
+  LatticeBox changed;
   Chunk* held = nullptr;
   bool differs = false;
 };
@@ -138,8 +136,8 @@ struct IncrementalMesher::State {
 
   void rest();
   bool choose_cells(const Box3d& bounds);
-  std::vector<Job> touched(const field::CompiledField& now, std::span<const SampleBox> boxes);
-  std::vector<SampleBox> lattice_boxes(std::span<const Box3d> changed) const;
+  std::vector<Job> touched(const field::CompiledField& now, std::span<const LatticeBox> boxes);
+  std::vector<LatticeBox> lattice_boxes(std::span<const Box3d> changed) const;
   std::vector<Vec3i> candidates(const field::CompiledField& now, Vec3i first, Vec3i last);
   void remake(Worker& worker, Job& job);
   std::vector<ChunkChange> collect(std::span<const Job> jobs);
@@ -181,7 +179,7 @@ bool IncrementalMesher::State::choose_cells(const Box3d& bounds) {
 }
 
 /// The samples in closed boxes; a little more, since positions are rounded.
-std::vector<SampleBox> IncrementalMesher::State::lattice_boxes(std::span<const Box3d> changed) const {
+std::vector<LatticeBox> IncrementalMesher::State::lattice_boxes(std::span<const Box3d> changed) const {
   constexpr double most = far, margin = 0.01;
   const auto low = [&](double v) {
     return static_cast<int>(std::clamp(std::floor(v / settings.voxel - margin), -most, most));
@@ -189,7 +187,7 @@ std::vector<SampleBox> IncrementalMesher::State::lattice_boxes(std::span<const B
   const auto high = [&](double v) {
     return static_cast<int>(std::clamp(std::ceil(v / settings.voxel + margin), -most, most));
   };
-  std::vector<SampleBox> out;
+  std::vector<LatticeBox> out;
   for (const Box3d& b : changed)
     if (!b.empty())
       out.push_back({{low(b.lo.x), low(b.lo.y), low(b.lo.z)}, {high(b.hi.x), high(b.hi.y), high(b.hi.z)}});
@@ -228,7 +226,7 @@ std::vector<Vec3i> IncrementalMesher::State::candidates(const field::CompiledFie
 
 /// Chunks with samples in the boxes, in order.
 std::vector<Job> IncrementalMesher::State::touched(const field::CompiledField& now,
-                                                   std::span<const SampleBox> boxes) {
+                                                   std::span<const LatticeBox> boxes) {
   std::vector<Job> jobs;
   if (cells->empty()) return jobs;
   const Vec3i first = cells->first_chunk(), last = cells->last_chunk();
@@ -239,22 +237,23 @@ std::vector<Job> IncrementalMesher::State::touched(const field::CompiledField& n
   const auto within = [](Vec3i v) {
     return Vec3i{std::clamp(v.x, 0, n), std::clamp(v.y, 0, n), std::clamp(v.z, 0, n)};
   };
-  for (const SampleBox& box : boxes)
+  for (const LatticeBox& box : boxes)
     for (Vec3i chunk :
          candidates(now, {from(box.lo.x, first.x), from(box.lo.y, first.y), from(box.lo.z, first.z)},
                     {to(box.hi.x, last.x), to(box.hi.y, last.y), to(box.hi.z, last.z)})) {
       const Vec3i origin = chunk * n;
       jobs.push_back({chunk, {within(box.lo - origin), within(box.hi - origin)}});
     }
-  std::sort(jobs.begin(), jobs.end(), [](const Job& a, const Job& b) { return before(a.chunk, b.chunk); });
+  std::sort(jobs.begin(), jobs.end(),
+            [](const Job& a, const Job& b) { return chunk_before(a.chunk, b.chunk); });
   std::size_t count = 0;
   for (const Job& job : jobs) {
     if (count == 0 || !(jobs[count - 1].chunk == job.chunk)) {
       jobs[count++] = job;
       continue;
     }
-    SampleBox& all = jobs[count - 1].changed;
-    const SampleBox& more = job.changed;
+    LatticeBox& all = jobs[count - 1].changed;
+    const LatticeBox& more = job.changed;
     all.lo = {std::min(all.lo.x, more.lo.x), std::min(all.lo.y, more.lo.y), std::min(all.lo.z, more.lo.z)};
     all.hi = {std::max(all.hi.x, more.hi.x), std::max(all.hi.y, more.hi.y), std::max(all.hi.z, more.hi.z)};
   }
@@ -268,7 +267,7 @@ void IncrementalMesher::State::remake(Worker& worker, Job& job) {
   const auto first = [](int sample) { return std::max((sample - 1) >> 3, 0); };
   const auto last = [](int sample) { return std::min(sample >> 3, field::chunk_bricks - 1); };
   static_assert(brick_cells == 1 << 3);
-  const SampleBox& s = job.changed;
+  const LatticeBox& s = job.changed;
   const BrickBox box{{first(s.lo.x), first(s.lo.y), first(s.lo.z)},
                      {last(s.hi.x), last(s.hi.y), last(s.hi.z)}};
   worker.prepare(job.chunk.x, job.chunk.y);
@@ -304,7 +303,7 @@ std::vector<ChunkChange> IncrementalMesher::State::collect(std::span<const Job> 
                                  [](std::uint64_t bricks) { return bricks != 0; });
     if (!any) chunks.erase(job.chunk);
   }
-  std::sort(out.begin(), out.end(), before);
+  std::sort(out.begin(), out.end(), chunk_before);
   return out;
 }
 
@@ -322,16 +321,16 @@ std::vector<ChunkChange> IncrementalMesher::update(const field::CompiledField& n
   s.complete = false;
   ++s.version;
   s.stats = {};
-  const SampleBox everything{{-far, -far, -far}, {far, far, far}};
+  const LatticeBox everything{{-far, -far, -far}, {far, far, far}};
   auto jobs = partial ? s.touched(now, s.lattice_boxes(changed)) : s.touched(now, {&everything, 1});
   std::vector<ChunkChange> gone;
   if (!partial) {
     // Chunks that the cells no longer reach.
     std::vector<Vec3i> kept;
     for (const Job& job : jobs) kept.push_back(job.chunk);
-    std::sort(kept.begin(), kept.end(), before);
+    std::sort(kept.begin(), kept.end(), chunk_before);
     std::erase_if(s.chunks, [&](const auto& entry) {
-      if (std::binary_search(kept.begin(), kept.end(), entry.first, before)) return false;
+      if (std::binary_search(kept.begin(), kept.end(), entry.first, chunk_before)) return false;
       if (!entry.second->triangles.empty()) gone.push_back({entry.first, s.version});
       return true;
     });
@@ -355,7 +354,7 @@ std::vector<ChunkChange> IncrementalMesher::update(const field::CompiledField& n
   s.rest();
   auto out = s.collect(jobs);
   out.insert(out.end(), gone.begin(), gone.end());
-  std::sort(out.begin(), out.end(), before);
+  std::sort(out.begin(), out.end(), chunk_before);
   s.complete = true;
   return out;
 }
@@ -371,7 +370,7 @@ std::vector<Vec3i> IncrementalMesher::chunks() const {
   std::vector<Vec3i> out;
   for (const auto& [at, chunk] : state_->chunks)
     if (!chunk->triangles.empty()) out.push_back(at);
-  std::sort(out.begin(), out.end(), before);
+  std::sort(out.begin(), out.end(), chunk_before);
   return out;
 }
 

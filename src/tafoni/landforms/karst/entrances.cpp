@@ -29,7 +29,7 @@ constexpr double under_ground = 3;      // radii below gentle ground at which it
 constexpr double behind_face = 2;       // radii behind a face at which its rock is judged
 constexpr double fin = 3;               // radii to either side in which a face has rock: a fin has not
 constexpr double inward_fall = -0.1;    // of the way in from a face, which runs almost level
-constexpr double least_slope = -0.2;    // of the field upward, so that steps to the surface stay short
+constexpr double steepest_fall = -0.2;  // of the field upward, so that steps to the surface stay short
 
 class Chooser {
  public:
@@ -166,7 +166,7 @@ class Chooser {
       float value = 0;
       Vec3f gradient;
       field_.gradients({&p, 1}, {&value, 1}, {&gradient, 1});
-      const double slope = std::min(least_slope, static_cast<double>(gradient.z));
+      const double slope = std::min(steepest_fall, static_cast<double>(gradient.z));
       p.z -= static_cast<double>(value) / slope;
     }
     return p;
