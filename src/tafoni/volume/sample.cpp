@@ -15,6 +15,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/field/chunks.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::volume {
 namespace {
@@ -139,7 +140,7 @@ GridFrame frame_over(const Box3d& box, double spacing) {
     if (!(last - first < most))
       fail(ErrorKind::usage, "{:g} m is too fine a spacing for a volume of {:g} m", spacing, hi - lo);
     origin = first * spacing;
-    size = static_cast<std::int32_t>(last - first) + 1;
+    size = floor_to(last - first) + 1;
   };
   axis(box.lo.x, box.hi.x, frame.origin.x, frame.size.x);
   axis(box.lo.y, box.hi.y, frame.origin.y, frame.size.y);

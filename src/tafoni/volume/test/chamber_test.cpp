@@ -138,7 +138,7 @@ TEST(Chamber, ReadsLatticesInWordsAndNumbers) {
     ADD_FAILURE();
   } catch (const Error& e) {
     for (const ChamberPreset& preset : chamber_presets()) EXPECT_THAT(e.what(), HasSubstr(preset.name));
-    EXPECT_THAT(e.what(), HasSubstr("did you mean queen?"));
+    EXPECT_THAT(e.what(), HasSubstr("did you mean \"queen\"?"));
   }
 }
 
