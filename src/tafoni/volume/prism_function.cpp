@@ -115,7 +115,7 @@ class PrismFunction final : public field::Function {
     }
   }
 
-  /// Of the plane through three corners: the elevation at (u, v), and one over the slope's secant.
+  /// The elevation at (u, v) of the plane through three corners, and one over the secant of its slope.
   std::pair<double, double> plane(const std::array<float, 4>& z, const std::array<std::size_t, 3>& at,
                                   double u, double v) const {
     const auto height = [&](std::size_t k) -> double { return z[at[k]]; };
@@ -133,7 +133,7 @@ class PrismFunction final : public field::Function {
     return {base + du * u + dv * v, 1 / std::sqrt(1 + sx * sx + sy * sy)};
   }
 
-  /// Of the cell's own slabs alone; -reach where there are none.
+  /// The value that the cell's own slabs alone give; -reach where there are none.
   double upright(std::int32_t cell, double u, double v, double z) const {
     double most = -reach_;
     for (const Slab& slab : slabs(cell)) {
@@ -152,7 +152,7 @@ class PrismFunction final : public field::Function {
     return most;
   }
 
-  /// Not beyond the frame: the nearest place within, less the way there.
+  /// Beyond the frame the value is that of the nearest place within, less the way there.
   double value(Vec3d p) const {
     const double gx = p.x - frame_.origin.x, gy = p.y - frame_.origin.y, z = p.z - frame_.origin.z;
     const double x = std::clamp(gx, 0.0, cells_x_ * frame_.dx), y = std::clamp(gy, 0.0, cells_y_ * frame_.dy);
@@ -170,7 +170,7 @@ class PrismFunction final : public field::Function {
     return std::clamp(f, -reach_, reach_);
   }
 
-  /// To the nearest of the walls around the cell, if that is less than `least`, else `least`.
+  /// The distance to the nearest of the walls around the cell if that is less than `least`, else `least`.
   double wall_distance(int i, int j, double x, double y, double z, double least) const {
     for (int b = std::max(0, j - 1); b <= std::min(j + 1, cells_y_ - 1); ++b)
       for (int a = std::max(0, i - 1); a <= std::min(i + 1, cells_x_ - 1); ++a) {
@@ -192,7 +192,8 @@ class PrismFunction final : public field::Function {
     const double at = std::clamp(z, bottom, top);
     const double d = std::sqrt((x - qx) * (x - qx) + (y - qy) * (y - qy) + (z - at) * (z - at));
     if (!(d < least)) return least;
-    // Matter on both sides: cells that divide a column's matter unlike are one body all the same.
+    // Where matter stands on both sides there is no wall: cells that divide a column's matter unlike are one
+    // body all the same.
     if (wall.beyond >= 0) {
       const double u = qx / frame_.dx - wall.beyond % cells_x_, v = qy / frame_.dy - wall.beyond / cells_x_;
       if (upright(wall.beyond, std::clamp(u, 0.0, 1.0), std::clamp(v, 0.0, 1.0), at) > 1e-4) return least;
@@ -416,7 +417,7 @@ class Rounded final : public field::Function {
   }
 
  private:
-  /// Of the mean: 1 within a column of the surface, 0 beyond two.
+  /// How much of the mean is taken: 1 within a column of the surface, 0 beyond two.
   float share(float v) const { return std::clamp(2 - std::abs(v) / spacing_, 0.0f, 1.0f); }
 
   field::FunctionPtr raw_;

@@ -105,7 +105,7 @@ class ColumnSampler {
     const Vec3i at = lo - first;
     const SampleBox part = common(made.box, lo, brick);
     const bool active = samples_.brick(at.x / brick, at.y / brick, at.z / brick);
-    // Beyond the band, where one sample tells on which side all are.
+    // All samples lie beyond the band, where one of them tells on which side all are.
     const float beyond = active ? 0 : std::copysign(band_, field_.value(frame_.position(lo)));
     for (int k = 0; k < part.size().z; ++k)
       for (int j = 0; j < part.size().y; ++j) {
@@ -153,7 +153,7 @@ ScalarGrid sample(const field::CompiledField& field, const GridFrame& frame, con
   const auto band = static_cast<float>(settings.band);
   if (!(band >= 0) || !std::isfinite(band))
     fail(ErrorKind::usage, "a volume's band must be a length in metres, 0 for none, not {:g}", settings.band);
-  // What lies above is air, mostly.
+  // What lies above is mostly air.
   const Vec3d top = frame.position({frame.size.x / 2, frame.size.y / 2, frame.size.z - 1});
   float air = field.value(top);
   if (band > 0) air = std::clamp(air, -band, band);

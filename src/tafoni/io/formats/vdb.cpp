@@ -98,7 +98,7 @@ struct TreeWriter {
       for (int y = lo.y; y <= hi.y && same; ++y)
         same = std::all_of(row(y, z), row(y, z) + (hi.x - lo.x + 1), [&](float v) { return v == first; });
     if (same) return fill({lo, hi}, first);
-    // Where the frame ends inside the leaf, the rest is as what lies beyond: outside.
+    // Where the frame ends inside the leaf, the rest counts as outside, like all that lies beyond.
     auto* leaf = new Leaf(Coord(lo.x, lo.y, lo.z), background);
     for (int z = lo.z; z <= hi.z; ++z)
       for (int y = lo.y; y <= hi.y; ++y)
@@ -424,7 +424,7 @@ Volume read(std::span<const std::byte> bytes, std::string_view file, Progress& p
   return guard(ErrorKind::input, file, [&] {
     Bytes buffer(bytes);
     std::istream in(&buffer);
-    // OpenVDB goes on with what it could not read, as sizes.
+    // OpenVDB would go on with what it could not read and take it for sizes.
     in.exceptions(std::ios_base::badbit | std::ios_base::failbit | std::ios_base::eofbit);
     openvdb::io::Stream stream(in, false);
     const FloatGrid::Ptr grid = choose_grid(*stream.getGrids(), file);
