@@ -78,7 +78,7 @@ class Lines {
     double value = 0;
     const auto [end, code] = std::from_chars(field.data(), field.data() + field.size(), value);
     if (end != field.data() + field.size()) return {};
-    // Too large or too small: strtod tells which.
+    // The number is too large or too small; strtod tells which.
     if (code == std::errc::result_out_of_range) return std::strtod(std::string(field).c_str(), nullptr);
     if (code != std::errc()) return {};
     return value;

@@ -13,6 +13,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/io/impl/dem_frame.h"
 #include "tafoni/io/impl/dem_source.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/raster/fill.h"
 #include "tafoni/raster/resample.h"
 #include "tafoni/raster/steps.h"
@@ -20,12 +21,25 @@
 namespace tafoni::io {
 namespace {
 
+/// Pixels a side that are read without a window: a larger file is a mosaic of which nobody wants all.
+constexpr int most_side = 1'000'000;
+/// Grids as large as the one asked for that are alive together while holes are filled and steps taken out.
+constexpr double copies_while_mending = 4;
+/// Holes are filled up to so many pixels from data unless the user says: what lies farther in would be made
+/// up rather than mended.
+constexpr double fill_pixels = 8;
+/// A resolution that differs from the file's by less is the file's own: rounding of a georeference.
+constexpr double same_resolution = 1.0001;
+/// A resolution below this share of the file's pixel is said to add nothing.
+constexpr double finer = 0.99;
+/// Pixels that are surveyed at once, and that are kept to look for terraces in: 16 MB of doubles.
+constexpr int survey_pixels = 1 << 21;
+
 std::array<int, 4> check_window(const impl::DemSource& source, const DemOptions& options) {
   if (source.width() < 2 || source.height() < 2)
     fail(ErrorKind::input, "{} is {} x {} pixels; a terrain needs at least 2 x 2.", source.name,
          source.width(), source.height());
-  constexpr int most = 1'000'000;
-  if (!options.window && std::max(source.width(), source.height()) > most)
+  if (!options.window && std::max(source.width(), source.height()) > most_side)
     fail(ErrorKind::input, "{} is {} x {} pixels; cut a window of at most a million pixels a side from it.",
          source.name, source.width(), source.height());
   if (!options.window) return {0, 0, source.width(), source.height()};
@@ -85,8 +99,11 @@ double warped_pixel(double resolution, double px, double py) {
 }
 
 std::size_t count_missing(const raster::Grid<float>& grid) {
-  return static_cast<std::size_t>(
-      std::count_if(grid.values().begin(), grid.values().end(), [](float v) { return std::isnan(v); }));
+  return std::count_if(grid.values().begin(), grid.values().end(), [](float v) { return std::isnan(v); });
+}
+
+double share(std::size_t part, std::size_t whole) {
+  return static_cast<double>(part) / static_cast<double>(whole);
 }
 
 class Reader {
@@ -104,12 +121,11 @@ class Reader {
     const auto [x, y, w, h] = window_;
     const double fx = options_.resolution > 0 ? std::max(1.0, options_.resolution / frame_.pixel_x) : 1.0;
     const double fy = options_.resolution > 0 ? std::max(1.0, options_.resolution / frame_.pixel_y) : 1.0;
-    const int width = std::max(1, static_cast<int>(std::lround(w / fx)));
-    const int height = std::max(1, static_cast<int>(std::lround(h / fy)));
+    const int width = std::max(1, round_to(w / fx));
+    const int height = std::max(1, round_to(h / fy));
     if (width < 2 || height < 2)
       fail(ErrorKind::usage, "{}: a resolution of {} m leaves {} x {} pixels; choose a finer one.",
            source_->name, options_.resolution, width, height);
-    constexpr double copies_while_mending = 4;
     impl::check_memory(1.0 * width * height, copies_while_mending, source_->name);
     raster::Raster raster{impl::read_window(*source_, window_, fx, fy, width, height, progress_),
                           {0, 0, frame_.pixel_x * fx, frame_.pixel_y * fy},
@@ -117,8 +133,7 @@ class Reader {
     note_oddities(source_->report, dem_.notes);
     mend(raster);
     place(std::move(raster), transform_of(frame_.transform, window_, fx, fy));
-    dem_.missing = static_cast<double>(count_missing(dem_.raster.values)) /
-                   static_cast<double>(dem_.raster.values.size());
+    dem_.missing = share(count_missing(dem_.raster.values), dem_.raster.values.size());
     if (dem_.missing == 1) fail_empty();
     for (std::string& note : dem_.notes) {
       note = source_->name + ": " + note;
@@ -145,7 +160,7 @@ class Reader {
     if (options_.smooth && dem_.step > 0) raster::remove_steps(raster, dem_.step, progress_);
     if (missing == 0) return;
     const double largest = std::max(raster.placement.dx, raster.placement.dy);
-    const double distance = options_.fill_distance < 0 ? 8 * largest : options_.fill_distance;
+    const double distance = options_.fill_distance < 0 ? fill_pixels * largest : options_.fill_distance;
     const raster::FillReport report = raster::fill_holes(raster, distance, progress_);
     dem_.filled = report.filled;
     dem_.notes.push_back(
@@ -163,13 +178,13 @@ class Reader {
       dem_.raster = impl::upright(std::move(raster.values), transform);
       const raster::Placement& p = dem_.raster.placement;
       const double wanted = options_.resolution;
-      if (wanted > 0 && (p.dx > wanted * 1.0001 || p.dy > wanted * 1.0001)) {
+      if (wanted > 0 && (p.dx > wanted * same_resolution || p.dy > wanted * same_resolution)) {
         impl::check_memory(dem_.raster.width() * p.dx / wanted * dem_.raster.height() * p.dy / wanted, 1.5,
                            source_->name);
         dem_.raster = raster::at_resolution(dem_.raster, wanted, progress_);
       }
     }
-    if (options_.resolution > 0 && options_.resolution < 0.99 * std::min(frame_.pixel_x, frame_.pixel_y))
+    if (options_.resolution > 0 && options_.resolution < finer * std::min(frame_.pixel_x, frame_.pixel_y))
       dem_.notes.push_back(fmt::format("{:.4g} m is finer than its own pixels; interpolation adds no detail.",
                                        options_.resolution));
     if (!frame_.target.IsEmpty()) dem_.raster.crs = impl::to_wkt(frame_.target);
@@ -187,12 +202,12 @@ class Reader {
 void survey(impl::DemSource& source, DemInfo& info, Progress& progress) {
   const int width = source.width(), height = source.height();
   const impl::Level& own = source.levels.front();
-  const int rows = std::clamp((1 << 21) / width / own.block_height * own.block_height, 1, height);
+  const int rows = std::clamp(survey_pixels / width / own.block_height * own.block_height, 1, height);
   std::vector<double> strip(std::int64_t{width} * rows);
-  // Terraces show in any part; keep one strip's worth of rows spread over the file.
-  const int keep_every = std::max(1, static_cast<int>(std::int64_t{width} * height / (1 << 21)));
+  // Terraces show in any part of a file, so one strip's worth of rows spread over it is kept for them.
+  const int keep_every = std::max(1, static_cast<int>(std::int64_t{width} * height / survey_pixels));
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
-  raster::Grid<float> sample(width, std::min(height, std::max(2, (1 << 21) / width)), raster::no_data);
+  raster::Grid<float> sample(width, std::min(height, std::max(2, survey_pixels / width)), raster::no_data);
   int kept = 0;
   progress.begin("survey", height, "rows");
   for (int row = 0; row < height; row += rows) {
@@ -205,7 +220,7 @@ void survey(impl::DemSource& source, DemInfo& info, Progress& progress) {
         lowest = std::min(lowest, values[col]);
         highest = std::max(highest, values[col]);
       }
-      // Neighbouring rows in pairs.
+      // Rows are kept in pairs, as steps show between neighbours.
       if ((row + r) / 2 % keep_every == 0 && kept < sample.height())
         std::transform(values, values + width, sample.row(kept++),
                        [](double v) { return static_cast<float>(v); });
@@ -213,7 +228,7 @@ void survey(impl::DemSource& source, DemInfo& info, Progress& progress) {
     progress.advance(count);
   }
   progress.end();
-  info.missing = static_cast<double>(source.report.missing) / static_cast<double>(source.report.pixels);
+  info.missing = share(source.report.missing, source.report.pixels);
   if (info.missing == 1)
     fail(ErrorKind::input, "{} holds no elevations: every pixel is marked as missing.", source.name);
   info.lowest = lowest;

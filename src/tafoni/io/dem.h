@@ -14,15 +14,16 @@
 namespace tafoni::io {
 
 struct DemOptions {
-  /// X, Y, W, H in pixels of the file, row 0 first as stored (as gdal_translate -srcwin).
+  /// X, Y, W, H in pixels of the file, counted from the row that is stored first, as gdal_translate -srcwin
+  /// counts them.
   std::optional<std::array<int, 4>> window;
   double resolution = 0;  ///< metres; 0: the file's own. Coarser ones are area averages.
   int band = 0;           ///< from 1; 0: the band that holds elevations
-  /// Metres. A hole no point of which is farther than this from data is filled, a larger one is left out of
-  /// the domain. Negative: eight pixels.
+  /// Metres: a hole no point of which is farther than this from data is filled, a larger one is left out of
+  /// the domain. A negative distance means eight pixels.
   double fill_distance = -1;
   bool smooth = false;  ///< removes the terraces of 8-bit and stepped data, moving heights by half a step
-  /// Metres a pixel of a file without georeference; 0: 1 m.
+  /// Metres a pixel of a file without georeference; 0 means 1 m.
   double pixel_size = 0;
   /// Metres a unit of stored height, in place of what the file says; 0: the file's own. 16-bit heightmap
   /// pictures (.png, .r16) say nothing and count 1/128 m a unit (512 m from black to white).

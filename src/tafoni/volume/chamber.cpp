@@ -8,14 +8,25 @@
 #include <charconv>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "tafoni/core/error.h"
-#include "tafoni/core/params.h"
+#include "tafoni/core/registry.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/volume/fractal.h"
 
 namespace tafoni::volume {
 namespace {
+
+/// Halvings of a cell at most, to samples a 256th of it apart.
+constexpr int most_levels = 8;
+/// Levels by which the logarithm of a whole number of halvings may be off.
+constexpr double rounding = 1e-9;
+/// Samples of a chamber at most: 1 GB of them.
+constexpr double most_samples = 0x1p28;
+/// Values of a lattice at most, which is one of 100 a side.
+constexpr std::size_t most_values = 1'000'000;
+/// Cells from the border of the lattice within which all is rock: less than one, so that what the values next
+/// to the border leave open stays.
+constexpr double rim = 0.4;
 
 std::vector<std::string_view> split(std::string_view text, std::string_view marks) {
   std::vector<std::string_view> out;
@@ -52,15 +63,14 @@ std::vector<float> row_of(std::string_view row, std::string_view where) {
 FractalSettings settings_of(const ChamberLattice& lattice, const ChamberSettings& s) {
   FractalSettings out;
   out.cells = lattice.cells;
-  out.levels = std::clamp(static_cast<int>(std::ceil(std::log2(s.cell / s.spacing) - 1e-9)), 1, 8);
+  out.levels = std::clamp(ceil_to(std::log2(s.cell / s.spacing) - rounding), 1, most_levels);
   out.spacing = std::ldexp(s.cell, -out.levels);
   for (float v : lattice.values) out.coarse.push_back(static_cast<float>(0.5 * s.cell) * v);
   // The last level is smooth.
   out.noise = decaying_noise(s.noise * s.cell, 0.5, out.levels, 1);
   out.seed = s.seed;
   const Vec3i n = out.size();
-  constexpr double most = 0x1p28;
-  if (1.0 * n.x * n.y * n.z > most)
+  if (1.0 * n.x * n.y * n.z > most_samples)
     fail(ErrorKind::usage,
          "a chamber of {} x {} x {} samples is more than 2^28; give a spacing above {:.3g} m, or smaller "
          "cells",
@@ -116,11 +126,11 @@ ChamberLattice parse_lattice(std::string_view text, std::string_view where) {
     for (auto row = read.rbegin(); row != read.rend(); ++row)
       out.values.insert(out.values.end(), row->begin(), row->end());
   }
-  if (layers.size() < 2 || rows < 2 || columns < 2 || out.values.size() > 1000000)
+  if (layers.size() < 2 || rows < 2 || columns < 2 || out.values.size() > most_values)
     fail(ErrorKind::usage,
          "{}: a lattice takes at least 2 x 2 x 2 values and at most a million; layers end with ;", where);
-  out.cells = {static_cast<int>(columns) - 1, static_cast<int>(rows) - 1,
-               static_cast<int>(layers.size()) - 1};
+  const auto cells = [](std::size_t values) { return static_cast<int>(values) - 1; };
+  out.cells = {cells(columns), cells(rows), cells(layers.size())};
   return out;
 }
 
@@ -138,9 +148,7 @@ const ChamberPreset& find_chamber_preset(std::string_view name) {
     if (preset.name == name) return preset;
     known.push_back(preset.name);
   }
-  const std::string near = nearest(name, known);
-  fail(ErrorKind::usage, "there is no chamber \"{}\"; known are {}{}", name, fmt::join(known, ", "),
-       near.empty() ? "" : fmt::format(" - did you mean {}?", near));
+  fail_unknown("chamber", name, known);
 }
 
 Chamber::Chamber(const ChamberLattice& lattice, const ChamberSettings& settings)
@@ -160,7 +168,7 @@ double Chamber::value(Vec3d p) const {
   const Vec3d d = p - settings_.position;
   const Vec3d q{c * d.x + s * d.y + 0.5 * size_.x, -s * d.x + c * d.y + 0.5 * size_.y, d.z};
   const double inside = std::min({q.x, q.y, q.z, size_.x - q.x, size_.y - q.y, size_.z - q.z});
-  return std::max<double>(grid_.value(q), 0.4 * settings_.cell - inside);
+  return std::max<double>(grid_.value(q), rim * settings_.cell - inside);
 }
 
 Box3d Chamber::bounds() const {
@@ -173,8 +181,8 @@ Box3d Chamber::bounds() const {
 SampleBox carve(ScalarGrid& grid, const Chamber& chamber) {
   const GridFrame frame = grid.frame();
   return grid.edit(grid.samples_in(chamber.bounds()), [&](Vec3i first, std::span<float> row) {
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      const double v = chamber.value(frame.position(first + Vec3i{static_cast<int>(i), 0, 0}));
+    for (int i = 0; i < std::ssize(row); ++i) {
+      const double v = chamber.value(frame.position(first + Vec3i{i, 0, 0}));
       row[i] = std::min(row[i], static_cast<float>(v));
     }
   });

@@ -32,7 +32,7 @@ struct Ball {
     const double y = start.y - center.y, z = start.z - center.z, left = radius * radius - y * y - z * z;
     if (!(left >= 0)) return {0, 0};
     const double half = std::sqrt(left) * per_metre, middle = (center.x - start.x) * per_metre;
-    // Of sizes beyond numbers, the whole row.
+    // A ball of a size beyond numbers reaches the whole row.
     const double first = middle - half - 1, last = middle + half + 2;
     return {first > 0 ? static_cast<int>(std::min<double>(first, n)) : 0,
             last < n ? static_cast<int>(std::max(last, 0.0)) : n};
@@ -40,10 +40,9 @@ struct Ball {
 };
 constexpr Ball everywhere{{}, std::numeric_limits<double>::infinity()};
 
-constexpr int most = ScalarGrid::chunk_samples;  ///< samples in a run
+constexpr int most_in_row = ScalarGrid::chunk_samples;  ///< samples that edit() gives at once
 
-/// Gives samples of the box and the ball the values change(about(position), value). Two plain loops are what
-/// compilers make vectors of.
+/// Gives samples of the box and the ball the values change(about(position), value).
 template <class F, class G>
 SampleBox edit_samples(ScalarGrid& grid, const Box3d& box, const Ball& ball, const F& about,
                        const G& change) {
@@ -53,7 +52,7 @@ SampleBox edit_samples(ScalarGrid& grid, const Box3d& box, const Ball& ball, con
     const Vec3d start = frame.position(first);
     const auto [begin, end] = ball.within(start, per_metre, static_cast<int>(row.size()));
     const int from = first.x + begin, n = end - begin;
-    double found[most];
+    double found[most_in_row];
     for (int i = 0; i < n; ++i)
       found[i] = about(Vec3d{frame.origin.x + frame.spacing * (from + i), start.y, start.z});
     float* values = row.data() + begin;

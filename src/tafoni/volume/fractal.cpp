@@ -10,6 +10,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/volume/impl/subdivision.h"
 
 namespace tafoni::volume {
@@ -111,9 +112,7 @@ void Fractal::pin(int level, Level& lattice) const {
   const auto value = [&](int x, int y, int z) -> float& {
     return lattice.values[(std::int64_t{z} * n.y + y) * n.x + x];
   };
-  const auto clamped = [](double v, int size) {
-    return static_cast<int>(std::clamp<double>(std::round(v), 0.0, size - 1));
-  };
+  const auto clamped = [](double v, int size) { return round_to(std::clamp<double>(v, 0.0, size - 1)); };
   /// The pin's place on a level, in its spacings.
   const auto place = [&](const Pin& p, int of) {
     return (p.position - settings_.origin) * std::ldexp(1 / settings_.spacing, of - settings_.levels);
@@ -133,7 +132,7 @@ void Fractal::pin(int level, Level& lattice) const {
           value(x, y, z) = static_cast<float>(was + left * left * (p.value - was));
         }
   }
-  // Where one pin draws at another's sample, that stays.
+  // Where one pin draws at another's sample, the other's value stays.
   for (const Pin& p : settings_.pins) {
     if (p.level > level) continue;
     const Vec3d at = place(p, p.level);

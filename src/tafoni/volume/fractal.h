@@ -58,7 +58,7 @@ class Fractal {
   /// The samples of `box`. Chunks that are at the limit throughout take neither time nor memory.
   ScalarGrid grid(const SampleBox& box, Precision precision = Precision::single,
                   Progress& progress = silent()) const;
-  /// All samples.
+  /// Gives all samples.
   ScalarGrid grid(Precision precision = Precision::single, Progress& progress = silent()) const;
 
  private:

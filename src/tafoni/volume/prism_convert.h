@@ -30,11 +30,11 @@ PrismFields prism_from(const field::CompiledField& field, const Box3d& box, doub
                        Progress& progress = silent());
 
 struct PrismLeafSettings {
-  /// Metres: values are limited to [-reach, reach].
+  /// Values are limited to [-reach, reach] metres.
   double reach = 7.5;
-  /// Local elevation: matter that ends there or lower goes on below without end.
+  /// Matter that ends at this local elevation or lower goes on below without end.
   double floor = -std::numeric_limits<double>::infinity();
-  /// Share of the columns' spacing over which values near the surface are averaged across; 0: not at all.
+  /// Share of the columns' spacing over which values near the surface are averaged across; 0 averages none.
   /// [Boggus] ends matter at columns, and so rims in teeth and round shafts in stairs; at 0.7 they are
   /// gone, and with them sheets that are thinner than a quarter of the spacing.
   double rounding = 0;

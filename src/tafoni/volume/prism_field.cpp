@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "tafoni/core/error.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/volume/impl/tool_shape.h"
 
 namespace tafoni::volume {
@@ -199,12 +200,9 @@ bool PrismFields::add(int i, int j, float lo, float hi) {
 template <class Shape>
 ColumnBox PrismFields::apply_shape(const Shape& shape, const Box3d& bounds, Edit mode) {
   // A column that rounding puts at the very rim of the bounds is looked at and found empty.
-  const auto first = [](double d, int n) {
-    return static_cast<int>(std::clamp<double>(std::ceil(d - 1e-6), 0, n));
-  };
-  const auto last = [](double d, int n) {
-    return static_cast<int>(std::clamp<double>(std::floor(d + 1e-6), -1, n - 1));
-  };
+  constexpr double at_rim = 1e-6;  // columns
+  const auto first = [](double d, int n) { return ceil_to(std::clamp<double>(d - at_rim, 0, n)); };
+  const auto last = [](double d, int n) { return floor_to(std::clamp<double>(d + at_rim, -1, n - 1)); };
   const int i0 = first((bounds.lo.x - frame_.origin.x) / frame_.dx, frame_.nx);
   const int i1 = last((bounds.hi.x - frame_.origin.x) / frame_.dx, frame_.nx);
   const int j0 = first((bounds.lo.y - frame_.origin.y) / frame_.dy, frame_.ny);

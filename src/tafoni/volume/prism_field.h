@@ -76,7 +76,7 @@ class PrismFields {
   const ColumnFrame& frame() const { return frame_; }
   double min_thickness() const { return thinnest_; }
   int layers() const { return static_cast<int>(layers_.size()); }
-  /// Of one point of a layer; bottom and top mean nothing where it is not active.
+  /// What one point of a layer holds; bottom and top mean nothing where it is not active.
   bool active(int layer, int i, int j) const;
   Matter point(int layer, int i, int j) const;
 
@@ -95,11 +95,12 @@ class PrismFields {
   /// order or not finite.
   void set_column(int i, int j, std::span<const Matter> matter);
 
-  /// The columns of `box`, which may reach beyond the frame: there is nothing. Reuses `out`'s memory.
+  /// Reads the columns of `box`, which may reach beyond the frame, where there is nothing. Reuses `out`'s
+  /// memory.
   void read(const ColumnBox& box, ColumnBlock& out) const;
   std::vector<Matter> column(int i, int j) const;
 
-  /// Most intervals that any column has; looks at all.
+  /// The most intervals that any column has. Looks at all columns.
   int deepest() const;
   /// Numbers the matter of every column from the bottom, so that there are deepest() layers. apply() does so
   /// whenever more than twice as many layers have come together (and more than 8): sessions never end in
@@ -129,7 +130,7 @@ class PrismFields {
   const Tile* tile(int layer, std::size_t t) const { return layers_[layer].tiles[t].get(); }
   void set(int layer, Place p, float bottom, float top);
   void insert_layer(int at);
-  /// A layer in (below, above) for the matter; made if there is none.
+  /// A layer in (below, above) that has room for the matter; it is made if there is none.
   int layer_for(int i, int j, Matter matter, int below, int above);
   double overlap_around(int layer, int i, int j, Matter matter) const;
   void free_empty();

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "tafoni/math/whole.h"
 #include "tafoni/volume/inner/prism_cells.h"
 #include "tafoni/volume/prism_convert.h"
 
@@ -13,7 +14,18 @@ namespace tafoni::volume {
 
 namespace {
 
+/// The lower side of what has no bottom: a thousand kilometres down.
 constexpr float endless = -1e6f;
+/// What least and greatest heights begin with: beyond any of a terrain, yet far from a float's limits.
+constexpr double beyond_all = 1e30;
+/// Columns between the points that a gradient is taken from: it smooths over the edges between slabs without
+/// reaching the next column.
+constexpr double step_share = 0.35;
+/// Rows of cells that are read and made slabs of at once.
+constexpr int rows_at_once = 32;
+/// Parts by which bounds are drawn outwards, as rounding in value() must not step out of them: more over
+/// ground, where slopes come in, than beside the frame, where all is one distance.
+constexpr double slack_share = 1e-5, slack_beside = 1e-6;
 
 /// Elevations of a slab over its corners, metres above the frame's origin.
 struct Slab {
@@ -36,14 +48,13 @@ class PrismFunction final : public field::Function {
         reach_(settings.reach),
         cells_x_(frame_.nx - 1),
         cells_y_(frame_.ny - 1),
-        step_(0.35 * std::min(frame_.dx, frame_.dy)) {
+        step_(step_share * std::min(frame_.dx, frame_.dy)) {
     const float floor = static_cast<float>(settings.floor - frame_.origin.z);
     ColumnBlock block;
     PrismCells cells;
-    constexpr int rows = 32;
     starts_.push_back(0);
-    for (int j0 = 0; j0 < cells_y_; j0 += rows) {
-      const int j1 = std::min(j0 + rows, cells_y_) - 1;
+    for (int j0 = 0; j0 < cells_y_; j0 += rows_at_once) {
+      const int j1 = std::min(j0 + rows_at_once, cells_y_) - 1;
       fields.read({-1, j0 - 1, frame_.nx, j1 + 2}, block);
       cells.build(block);
       for (int j = j0; j <= j1; ++j)
@@ -104,7 +115,7 @@ class PrismFunction final : public field::Function {
     }
   }
 
-  /// Of the plane through three corners: the elevation at (u, v), and one over the slope's secant.
+  /// The elevation at (u, v) of the plane through three corners, and one over the secant of its slope.
   std::pair<double, double> plane(const std::array<float, 4>& z, const std::array<std::size_t, 3>& at,
                                   double u, double v) const {
     const auto height = [&](std::size_t k) -> double { return z[at[k]]; };
@@ -122,7 +133,7 @@ class PrismFunction final : public field::Function {
     return {base + du * u + dv * v, 1 / std::sqrt(1 + sx * sx + sy * sy)};
   }
 
-  /// Of the cell's own slabs alone; -reach where there are none.
+  /// The value that the cell's own slabs alone give; -reach where there are none.
   double upright(std::int32_t cell, double u, double v, double z) const {
     double most = -reach_;
     for (const Slab& slab : slabs(cell)) {
@@ -141,7 +152,7 @@ class PrismFunction final : public field::Function {
     return most;
   }
 
-  /// Not beyond the frame: the nearest place within, less the way there.
+  /// Beyond the frame the value is that of the nearest place within, less the way there.
   double value(Vec3d p) const {
     const double gx = p.x - frame_.origin.x, gy = p.y - frame_.origin.y, z = p.z - frame_.origin.z;
     const double x = std::clamp(gx, 0.0, cells_x_ * frame_.dx), y = std::clamp(gy, 0.0, cells_y_ * frame_.dy);
@@ -159,7 +170,7 @@ class PrismFunction final : public field::Function {
     return std::clamp(f, -reach_, reach_);
   }
 
-  /// To the nearest of the walls around the cell, if that is less than `least`, else `least`.
+  /// The distance to the nearest of the walls around the cell if that is less than `least`, else `least`.
   double wall_distance(int i, int j, double x, double y, double z, double least) const {
     for (int b = std::max(0, j - 1); b <= std::min(j + 1, cells_y_ - 1); ++b)
       for (int a = std::max(0, i - 1); a <= std::min(i + 1, cells_x_ - 1); ++a) {
@@ -181,7 +192,8 @@ class PrismFunction final : public field::Function {
     const double at = std::clamp(z, bottom, top);
     const double d = std::sqrt((x - qx) * (x - qx) + (y - qy) * (y - qy) + (z - at) * (z - at));
     if (!(d < least)) return least;
-    // Matter on both sides: cells that divide a column's matter unlike are one body all the same.
+    // Where matter stands on both sides there is no wall: cells that divide a column's matter unlike are one
+    // body all the same.
     if (wall.beyond >= 0) {
       const double u = qx / frame_.dx - wall.beyond % cells_x_, v = qy / frame_.dy - wall.beyond / cells_x_;
       if (upright(wall.beyond, std::clamp(u, 0.0, 1.0), std::clamp(v, 0.0, 1.0), at) > 1e-4) return least;
@@ -268,7 +280,7 @@ void PrismFunction::summarize() {
     for (int i = 0; i < cells_x_; ++i)
       for (const Slab& slab : slabs(cell(i, j))) {
         for (const auto* side : {&slab.top, &slab.bottom}) {
-          double low = 1e30, top = -1e30;
+          double low = beyond_all, top = -beyond_all;
           for (std::size_t k = 0; k < 4; ++k) {
             if (!(slab.corners >> k & 1) || (*side)[k] == endless) continue;
             low = std::min<double>(low, (*side)[k]);
@@ -291,20 +303,20 @@ Interval PrismFunction::range(const Box3d& box) const {
   const double x0 = box.lo.x - frame_.origin.x, x1 = box.hi.x - frame_.origin.x;
   const double y0 = box.lo.y - frame_.origin.y, y1 = box.hi.y - frame_.origin.y;
   const auto index = [](double v, double d, int cells) {
-    return static_cast<int>(std::clamp<double>(std::floor(v / d), 0.0, cells - 1));
+    return floor_to(std::clamp<double>(v / d, 0.0, cells - 1));
   };
   const double off = std::max({-x1, -y1, x0 - cells_x_ * frame_.dx, y0 - cells_y_ * frame_.dy});
-  if (off > 0) return {all.lo, static_cast<float>(-std::min(off, reach_) * (1 - 1e-6))};
+  if (off > 0) return {all.lo, static_cast<float>(-std::min(off, reach_) * (1 - slack_beside))};
   const bool beyond = x0 < 0 || y0 < 0 || x1 > cells_x_ * frame_.dx || y1 > cells_y_ * frame_.dy;
   const int i0 = index(x0, frame_.dx, cells_x_), i1 = index(x1, frame_.dx, cells_x_);
   const int j0 = index(y0, frame_.dy, cells_y_), j1 = index(y1, frame_.dy, cells_y_);
-  // Over all ground no cell need be asked.
-  double highest = -1e30;
+  // Above all ground of the tiles no cell need be asked.
+  double highest = -beyond_all;
   for (int tj = j0 / tile_cells; tj <= j1 / tile_cells; ++tj)
     for (int ti = i0 / tile_cells; ti <= i1 / tile_cells; ++ti)
       highest = std::max<double>(highest, highest_[tile_of(ti, tj)]);
   if (lo > highest + reach_)
-    return {all.lo, static_cast<float>(-std::min(reach_, (lo - highest) * flattest_) * (1 - 1e-5))};
+    return {all.lo, static_cast<float>(-std::min(reach_, (lo - highest) * flattest_) * (1 - slack_share))};
   double least = reach_, most = -reach_;
   for (int j = j0; j <= j1; ++j)
     for (int i = i0; i <= i1; ++i) {
@@ -314,8 +326,7 @@ Interval PrismFunction::range(const Box3d& box) const {
       if (least < 0 && most > 0) return all;
     }
   if (beyond && most > 0) return all;
-  // Rounding in value() must not step out.
-  const double slack = 1e-5 * reach_;
+  const double slack = slack_share * reach_;
   return {static_cast<float>(least > 0 ? std::max(0.0, least - slack) : -reach_),
           static_cast<float>(most > 0 ? reach_ : std::min(0.0, most + slack))};
 }
@@ -326,7 +337,7 @@ Interval PrismFunction::range(std::int32_t at, double lo, double hi) const {
   bool filled = false;
   double depth = 0, most = -reach_;
   for (const Slab& slab : slabs(at)) {
-    double top_lo = 1e30, top_hi = -1e30, bottom_lo = 1e30, bottom_hi = -1e30;
+    double top_lo = beyond_all, top_hi = -beyond_all, bottom_lo = beyond_all, bottom_hi = -beyond_all;
     for (std::size_t k = 0; k < 4; ++k) {
       if (!(slab.corners >> k & 1)) continue;
       top_lo = std::min<double>(top_lo, slab.top[k]);
@@ -355,7 +366,7 @@ Interval PrismFunction::range(std::int32_t at, double lo, double hi) const {
 /// At least so far above or below all slabs of the cell and those around it, and no farther than the cell's
 /// own slabs make it seem.
 double PrismFunction::clear_of_walls(std::int32_t at, double lo, double hi) const {
-  double lowest = 1e30, highest = -1e30;
+  double lowest = beyond_all, highest = -beyond_all;
   const int i = at % cells_x_, j = at / cells_x_;
   for (int b = std::max(0, j - 1); b <= std::min(j + 1, cells_y_ - 1); ++b)
     for (int a = std::max(0, i - 1); a <= std::min(i + 1, cells_x_ - 1); ++a)
@@ -406,7 +417,7 @@ class Rounded final : public field::Function {
   }
 
  private:
-  /// Of the mean: 1 within a column of the surface, 0 beyond two.
+  /// How much of the mean is taken: 1 within a column of the surface, 0 beyond two.
   float share(float v) const { return std::clamp(2 - std::abs(v) / spacing_, 0.0f, 1.0f); }
 
   field::FunctionPtr raw_;

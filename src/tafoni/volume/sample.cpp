@@ -15,6 +15,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/field/chunks.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::volume {
 namespace {
@@ -105,7 +106,7 @@ class ColumnSampler {
     const Vec3i at = lo - first;
     const SampleBox part = common(made.box, lo, brick);
     const bool active = samples_.brick(at.x / brick, at.y / brick, at.z / brick);
-    // Beyond the band, where one sample tells on which side all are.
+    // All samples lie beyond the band, where one of them tells on which side all are.
     const float beyond = active ? 0 : std::copysign(band_, field_.value(frame_.position(lo)));
     for (int k = 0; k < part.size().z; ++k)
       for (int j = 0; j < part.size().y; ++j) {
@@ -140,7 +141,7 @@ GridFrame frame_over(const Box3d& box, double spacing) {
     if (!(last - first < most))
       fail(ErrorKind::usage, "{:g} m is too fine a spacing for a volume of {:g} m", spacing, hi - lo);
     origin = first * spacing;
-    size = static_cast<std::int32_t>(last - first) + 1;
+    size = floor_to(last - first) + 1;
   };
   axis(box.lo.x, box.hi.x, frame.origin.x, frame.size.x);
   axis(box.lo.y, box.hi.y, frame.origin.y, frame.size.y);
@@ -153,7 +154,7 @@ ScalarGrid sample(const field::CompiledField& field, const GridFrame& frame, con
   const auto band = static_cast<float>(settings.band);
   if (!(band >= 0) || !std::isfinite(band))
     fail(ErrorKind::usage, "a volume's band must be a length in metres, 0 for none, not {:g}", settings.band);
-  // What lies above is air, mostly.
+  // What lies above is mostly air.
   const Vec3d top = frame.position({frame.size.x / 2, frame.size.y / 2, frame.size.z - 1});
   float air = field.value(top);
   if (band > 0) air = std::clamp(air, -band, band);

@@ -266,7 +266,7 @@ void ScalarGrid::read(const SampleBox& box, float* out) const {
         const Vec3i first{x, clamped(y, n.y), clamped(z, n.z)};
         const Slot& slot = state.slot_of(first);
         float* to = out + (z - box.lo.z) * plane + (y - box.lo.y) * row + (x - box.lo.x);
-        // Beyond the frame rows repeat.
+        // Beyond the frame the border's row is repeated.
         const int last = y < 0 || y >= n.y ? y : std::min({box.hi.y, n.y - 1, y | (side - 1)});
         for (int index = GridChunk::index(x & (side - 1), first.y & (side - 1), first.z & (side - 1));
              y <= last; ++y, to += row, index += side) {

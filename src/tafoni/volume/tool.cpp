@@ -44,7 +44,7 @@ std::optional<Tool::Span> impl::Capsule::column(double x, double y) const {
     const double left = radius * radius * flat - side * side;
     double a = -std::numeric_limits<double>::infinity(), b = -a;
     if (flat > 0) {
-      // Of the quadratic flat z^2 - 2 z along axis.z + ...: the middle and the half width.
+      // The middle and the half width between the roots of the quadratic flat z^2 - 2 z along axis.z + ….
       const double half = left > 0 ? std::sqrt(left * square) / flat : 0.0, middle = along * axis.z / flat;
       a = middle - half, b = middle + half;
     } else if (!(dx * dx + dy * dy < radius * radius)) {

@@ -25,9 +25,9 @@ struct ToolData {
 /// An immutable convex solid. Local metres. Cheap to copy.
 class Tool {
  public:
-  /// Each throws Error{usage} for what is not finite or has no inside.
+  /// Each of these throws Error{usage} for what is not finite or has no inside.
   static Tool sphere(Vec3d center, double radius);
-  /// All within `radius` of the segment.
+  /// All that lies within `radius` of the segment.
   static Tool capsule(Vec3d from, Vec3d to, double radius);
   /// `half` sides; turned by `turn` radians about z, counter-clockwise from above.
   static Tool box(Vec3d center, Vec3d half, double turn = 0);

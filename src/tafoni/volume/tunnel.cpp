@@ -19,6 +19,16 @@ namespace {
 
 using impl::Cone;
 
+/// A tunnel's radius varies by this share of itself at most; at 1 it would close.
+constexpr double most_swelling = 0.9;
+/// The whole is halved so many times at most, so that a tiny step ends.
+constexpr int most_halvings = 24;
+/// Metres along the ground: a shaft that goes straight down counts as so long.
+constexpr double shortest = 1e-9;
+/// Part of an even ramp's slope that is added to it, so that rounding leaves a way between the ends; metres
+/// by which a way may miss.
+constexpr double ramp_slack = 1e-9, height_slack = 1e-9;
+
 std::vector<Cone> cones_of(const Tunnel& tunnel) {
   std::vector<Cone> out;
   const auto& axis = tunnel.axis;
@@ -41,12 +51,12 @@ class Carving {
 
   SampleBox run(const std::vector<Cone>& cones, Progress& progress) {
     for (const Cone& cone : cones) spread(cone);
-    // Bricks in the order in which they lie in memory; in each, cones in the order given.
+    // Bricks go in the order in which they lie in memory; in each, cones in the order given.
     std::stable_sort(near_.begin(), near_.end(), [](const Near& a, const Near& b) { return a.key < b.key; });
     for (std::size_t i = 0; i < near_.size(); ++i)
       if (i == 0 || near_[i].key != near_[i - 1].key) starts_.push_back(i);
     starts_.push_back(near_.size());
-    // Chunks at the same time, which edit() allows; the bricks of one lie together.
+    // Chunks are carved at the same time, which edit() allows; the bricks of one lie together.
     std::vector<std::size_t> chunks;
     for (std::size_t i = 0; i + 1 < starts_.size(); ++i)
       if (i == 0 || key_at(i) >> 6 != key_at(i - 1) >> 6) chunks.push_back(i);
@@ -185,7 +195,7 @@ class Carving {
 Tunnel fractal_tunnel(Vec3d from, Vec3d to, const TunnelSettings& s) {
   if (!(s.radius > 0) || !(s.step > 0) || !std::isfinite(s.radius))
     fail(ErrorKind::usage, "a tunnel's radius and step must be positive lengths in metres");
-  const double share = std::clamp(s.swelling, 0.0, 0.9);
+  const double share = std::clamp(s.swelling, 0.0, most_swelling);
   Tunnel tunnel;
   if (s.floor < 1) tunnel.floor = s.floor * s.radius;
   // A segment's place in the tree of halves: its noise does not depend on which others are halved.
@@ -200,7 +210,7 @@ Tunnel fractal_tunnel(Vec3d from, Vec3d to, const TunnelSettings& s) {
   while (!ahead.empty()) {
     const Part part = ahead.back();
     const double l = length(part.end.position - begin.position);
-    if (l <= s.step || part.place >> 24) {
+    if (l <= s.step || part.place >> most_halvings) {
       tunnel.axis.push_back(begin = part.end);
       ahead.pop_back();
       continue;
@@ -221,8 +231,9 @@ Tunnel fractal_tunnel(Vec3d from, Vec3d to, const TunnelSettings& s) {
     const Vec3d d = tunnel.axis[i].position - tunnel.axis[i - 1].position;
     along += std::hypot(d.x, d.y);
   }
-  // Ends that are too far apart in height: an even ramp.
-  level_axis(tunnel.axis, std::max(s.slope, std::abs(to.z - from.z) / std::max(along, 1e-9) * (1 + 1e-9)));
+  // Between ends that are too far apart in height for the slope, an even ramp is the best that can be.
+  level_axis(tunnel.axis,
+             std::max(s.slope, std::abs(to.z - from.z) / std::max(along, shortest) * (1 + ramp_slack)));
   return tunnel;
 }
 
@@ -234,16 +245,16 @@ bool level_axis(std::vector<AxisPoint>& axis, double slope, const std::function<
     along[i] = along[i - 1] + std::hypot(d.x, d.y);
   }
   const double first = axis.front().position.z, last = axis.back().position.z;
-  // Between what a climber from either end could reach.
+  // Every height is brought between what a climber from either end could reach.
   for (std::size_t i = 0; i < n; ++i) {
     const double from = slope * along[i], to = slope * (along.back() - along[i]);
     const double least = std::max(first - from, last - to);
     double most = std::min(first + from, last + to);
     if (highest && i > 0 && i + 1 < n) most = std::min(most, highest(axis[i].position));
-    if (least > most + 1e-9) return false;
+    if (least > most + height_slack) return false;
     low[i] = high[i] = std::clamp(axis[i].position.z, least, std::max(least, most));
   }
-  // The greatest heights below, and the least above, that are nowhere steeper.
+  // `low` becomes the greatest heights below, and `high` the least above, that are nowhere steeper.
   const auto relax = [&](std::size_t i, std::size_t from) {
     const double d = slope * std::abs(along[i] - along[from]);
     low[i] = std::min(low[i], low[from] + d);

@@ -20,8 +20,8 @@ struct AxisPoint {
 /// Spheres swept along a polyline, their radius linear from point to point.
 struct Tunnel {
   std::vector<AxisPoint> axis;
-  /// Metres below the axis at which ground fills it, level across, so that one can walk; 1e9: a round floor,
-  /// as [Ju01 §3] has it.
+  /// Metres below the axis at which ground fills it, level across, so that one can walk; 1e9 leaves the
+  /// floor round, as [Ju01 §3] has it.
   double floor = 1e9;
 };
 
@@ -29,7 +29,7 @@ struct TunnelSettings {
   double radius = 3;      ///< metres, on average
   double swelling = 0.3;  ///< most that the radius differs from it, as a share
   /// Most that a midpoint moves sideways, as a share of its segment's length; the next level's segments are
-  /// half as long. 0: straight.
+  /// half as long. 0 keeps the axis straight.
   double wander = 0.2;
   double climb = 0.4;  ///< of that, the share by which it moves up or down
   double step = 2;     ///< metres: segments are halved until none is longer

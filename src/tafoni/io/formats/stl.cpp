@@ -20,7 +20,7 @@ void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata&, Progres
   if (mesh.triangles.size() > 0xffffffffull)
     fail(ErrorKind::output, "STL holds at most 2^32 triangles and the mesh has {}; write PLY or simplify it.",
          mesh.triangles.size());
-  // Not "solid" first: readers would take the file for text.
+  // The header must not begin with "solid", or readers would take the file for text.
   std::string header = "tafoni: metres, z up, " + std::string(origin_key) + impl::origin_text(mesh.origin);
   header.resize(80, ' ');
   impl::put(header, static_cast<std::uint32_t>(mesh.triangles.size()));

@@ -298,7 +298,7 @@ class Reader {
     return out;
   }
 
-  /// Before a frame of any size is given memory.
+  /// Is called before a frame of any size is given memory.
   void check_table(Vec3i size) const {
     const auto chunks = [](int n) { return std::ceil(n / double{ScalarGrid::chunk_samples}); };
     const auto bytes = static_cast<double>(ZSTD_getFrameContentSize(table_.data(), table_.size()));

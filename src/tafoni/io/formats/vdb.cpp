@@ -40,6 +40,8 @@ using volume::SampleBox;
 using volume::ScalarGrid;
 
 constexpr int block = Leaf::DIM;  // 8
+/// Parts of a cell's side: what a transform is off by less is rounding.
+constexpr double same_place = 1e-6;
 static_assert(ScalarGrid::chunk_samples % block == 0);
 constexpr const char *size_key = "tafoni_size", *origin_key = "tafoni_origin", *local_key = "tafoni_local",
                      *crs_key = "crs", *generator_key = "tafoni_generator";
@@ -96,7 +98,7 @@ struct TreeWriter {
       for (int y = lo.y; y <= hi.y && same; ++y)
         same = std::all_of(row(y, z), row(y, z) + (hi.x - lo.x + 1), [&](float v) { return v == first; });
     if (same) return fill({lo, hi}, first);
-    // Where the frame ends inside the leaf, the rest is as what lies beyond: outside.
+    // Where the frame ends inside the leaf, the rest counts as outside, like all that lies beyond.
     auto* leaf = new Leaf(Coord(lo.x, lo.y, lo.z), background);
     for (int z = lo.z; z <= hi.z; ++z)
       for (int y = lo.y; y <= hi.y; ++y)
@@ -286,7 +288,7 @@ double spacing_of(const FloatGrid& grid, std::string_view file) {
     spacing = m[0][0];
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k < 3; ++k)
-        plain = plain && std::abs(m[i][k] - (i == k ? spacing : 0)) <= 1e-6 * std::abs(spacing);
+        plain = plain && std::abs(m[i][k] - (i == k ? spacing : 0)) <= same_place * std::abs(spacing);
     plain = plain && spacing > 0 && std::isfinite(spacing);
   }
   if (!plain)
@@ -356,7 +358,7 @@ Place place_of(const FloatGrid& grid, std::string_view file) {
     place.frame.origin = vector(local->value()) + spacing * first;
     place.origin = vector(origin->value());
     const Vec3d at = vector(grid.indexToWorld(Coord(0, 0, 0)));
-    if (length(at - (place.origin + vector(local->value()))) > 1e-6 * spacing)
+    if (length(at - (place.origin + vector(local->value()))) > same_place * spacing)
       place.origin = at - vector(local->value());
     return place;
   }
@@ -422,7 +424,7 @@ Volume read(std::span<const std::byte> bytes, std::string_view file, Progress& p
   return guard(ErrorKind::input, file, [&] {
     Bytes buffer(bytes);
     std::istream in(&buffer);
-    // OpenVDB goes on with what it could not read, as sizes.
+    // OpenVDB would go on with what it could not read and take it for sizes.
     in.exceptions(std::ios_base::badbit | std::ios_base::failbit | std::ios_base::eofbit);
     openvdb::io::Stream stream(in, false);
     const FloatGrid::Ptr grid = choose_grid(*stream.getGrids(), file);

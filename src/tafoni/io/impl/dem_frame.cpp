@@ -12,10 +12,30 @@
 #include <gdalwarper.h>
 #include <unistd.h>
 
+#include "tafoni/math/angle.h"
+#include "tafoni/math/whole.h"
+
 namespace tafoni::io::impl {
 namespace {
 
 using Transform = std::array<double, 6>;
+
+/// Parts of a pixel: what a transform turns by less is the rounding of a north-up one.
+constexpr double straight_to = 1e-7;
+/// A map on which a metre is off by more on the ground is not taken for metric. UTM is off by 0.001 at
+/// most, web Mercator by 0.01 already at eight degrees of latitude.
+constexpr double scale_off = 0.01;
+/// Metres over which a map's scale is measured: short beside the Earth, long beside rounding.
+constexpr double scale_step = 100;
+/// Pixels, in coordinates without a system, that are likely degrees: from a metre to eleven kilometres. A
+/// metric grid as fine as that would be a table top, and one at most 5 units from zero may well be.
+constexpr double degrees_from = 1e-5, degrees_to = 0.1, degrees_beyond = 5;
+/// The share of the machine's memory that a raster may take, and the most pixels that ints count.
+constexpr double memory_share = 0.7, most_pixels = 2e9;
+/// Pixels by which the warper's interpolated places may be off: none that shows.
+constexpr double warp_error = 0.02;
+/// Bytes that the warper takes for itself.
+constexpr double warp_memory = 64e6;
 
 Vec2d apply(const Transform& t, double col, double row) {
   return {t[0] + col * t[1] + row * t[2], t[3] + col * t[4] + row * t[5]};
@@ -26,7 +46,7 @@ Vec2d metres_per_degree(const OGRSpatialReference& crs, double latitude) {
   const double a = crs.GetSemiMajor(), flattening = crs.GetInvFlattening();
   const double f = flattening > 0 ? 1 / flattening : 0, e2 = f * (2 - f);
   const double phi = latitude * std::numbers::pi / 180, s = std::sin(phi);
-  const double w = 1 - e2 * s * s, degree = std::numbers::pi / 180;
+  const double w = 1 - e2 * s * s;
   return {degree * a * std::cos(phi) / std::sqrt(w), degree * a * (1 - e2) / (w * std::sqrt(w))};
 }
 
@@ -44,12 +64,12 @@ std::optional<Vec2d> ground_scale(const OGRSpatialReference& crs, Vec2d place, d
   const TransformationPtr to_degrees = transformation(crs, geographic);
   if (!to_degrees) return std::nullopt;
   GdalMessages messages;
-  const double step = 100 / metre;
+  const double step = scale_step / metre;
   double x[3] = {place.x, place.x + step, place.x}, y[3] = {place.y, place.y, place.y + step};
   if (!to_degrees->Transform(3, x, y)) return std::nullopt;
-  const Vec2d degree = metres_per_degree(geographic, y[0]);
-  return Vec2d{std::hypot((x[1] - x[0]) * degree.x, (y[1] - y[0]) * degree.y) / 100,
-               std::hypot((x[2] - x[0]) * degree.x, (y[2] - y[0]) * degree.y) / 100};
+  const Vec2d ground = metres_per_degree(geographic, y[0]);
+  return Vec2d{std::hypot((x[1] - x[0]) * ground.x, (y[1] - y[0]) * ground.y) / scale_step,
+               std::hypot((x[2] - x[0]) * ground.x, (y[2] - y[0]) * ground.y) / scale_step};
 }
 
 /// The UTM zone of a place, or the polar plane beyond UTM's reach, on the datum of `crs`.
@@ -59,7 +79,7 @@ OGRSpatialReference metric_crs(const OGRSpatialReference& crs, double longitude,
   const bool wgs84 = datum != nullptr && std::string(datum).rfind("WGS_1984", 0) == 0;
   const bool north = latitude >= 0;
   longitude = std::remainder(longitude, 360);
-  const int zone = std::clamp(static_cast<int>(std::floor((longitude + 180) / 6)) + 1, 1, 60);
+  const int zone = std::clamp(floor_to((longitude + 180) / 6) + 1, 1, 60);
   OGRSpatialReference out;
   if (std::abs(latitude) > 84) {
     if (out.importFromEPSG(north ? 32661 : 32761) == OGRERR_NONE) {
@@ -111,7 +131,7 @@ class FrameMaker {
     if (!wanted.empty()) bring_to(crs_from_wkt(wanted));
     const Transform& t = frame_.transform;
     const double along = std::hypot(t[1], t[4]), across = std::hypot(t[2], t[5]);
-    const auto none = [](double v, double of) { return std::abs(v) <= 1e-7 * of; };
+    const auto none = [](double v, double of) { return std::abs(v) <= straight_to * of; };
     const bool straight = none(t[2], across) && none(t[4], along),
                quarter = none(t[1], along) && none(t[5], across);
     frame_.rotated = !straight && !quarter;
@@ -137,9 +157,8 @@ class FrameMaker {
     const Transform& t = frame_.transform;
     const Vec2d a = apply(t, 0, 0), b = apply(t, source_.width(), source_.height());
     const auto within = [](Vec2d p) { return std::abs(p.x) <= 360 && std::abs(p.y) <= 90; };
-    // A metric grid as small as this would be a table top.
-    if (within(a) && within(b) && std::abs(t[1]) <= 0.1 && std::hypot(a.x, a.y) > 5 &&
-        std::abs(t[1]) > 1e-5) {
+    if (within(a) && within(b) && std::abs(t[1]) <= degrees_to && std::hypot(a.x, a.y) > degrees_beyond &&
+        std::abs(t[1]) > degrees_from) {
       frame_.crs.SetWellKnownGeogCS("WGS84");
       frame_.crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
       frame_.notes.push_back("names no coordinate system; its coordinates read as degrees, taken as WGS 84.");
@@ -155,8 +174,8 @@ class FrameMaker {
     if (std::abs(latitude) > 90.1)
       fail(ErrorKind::input, "{}: its middle lies at latitude {:.1f}; the georeference is broken.",
            source_.name, latitude);
-    const Vec2d degree = metres_per_degree(frame_.crs, latitude);
-    measure(degree * to_degree);
+    const Vec2d ground = metres_per_degree(frame_.crs, latitude);
+    measure(ground * to_degree);
     to_metric(longitude, latitude, fmt::format("is in degrees ({})", name_of(frame_.crs)));
   }
 
@@ -168,7 +187,7 @@ class FrameMaker {
     const Vec2d middle = apply(frame_.transform, middle_col_, middle_row_);
     if (!frame_.crs.IsEmpty() && frame_.crs.IsProjected()) {
       const auto scale = ground_scale(frame_.crs, middle, metre);
-      if (scale && std::max(std::abs(scale->x - 1), std::abs(scale->y - 1)) > 0.01) {
+      if (scale && std::max(std::abs(scale->x - 1), std::abs(scale->y - 1)) > scale_off) {
         measure(*scale * metre);
         const OGRSpatialReference geographic = geographic_of(frame_.crs);
         double x = middle.x, y = middle.y;
@@ -299,7 +318,7 @@ void check_memory(double pixels, double copies, const std::string& name) {
   const double memory =
       static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   const double needed = pixels * copies * sizeof(float);
-  if (pixels < 2e9 && needed < 0.7 * memory) return;
+  if (pixels < most_pixels && needed < memory_share * memory) return;
   fail(ErrorKind::usage,
        "{}: {:.0f} million pixels need {:.0f} GB of memory; choose a window or a coarser resolution.", name,
        pixels / 1e6, needed / 1e9);
@@ -354,14 +373,13 @@ raster::Raster warp(raster::Grid<float>& grid, const std::array<double, 6>& tran
                                                     target.get(), frame.reproject ? to.c_str() : nullptr,
                                                     FALSE, 0, 0));
   if (!exact) fail(ErrorKind::input, "{} cannot be reprojected{}.", name, messages.because());
-  constexpr double pixels_off = 0.02;
-  Transformer approximate(GDALCreateApproxTransformer(GDALGenImgProjTransform, exact.get(), pixels_off));
+  Transformer approximate(GDALCreateApproxTransformer(GDALGenImgProjTransform, exact.get(), warp_error));
 
   WarpOptions options;
   options.get->hSrcDS = source.get();
   options.get->hDstDS = target.get();
   options.get->eResampleAlg = GRA_Cubic;
-  options.get->dfWarpMemoryLimit = 64e6;
+  options.get->dfWarpMemoryLimit = warp_memory;
   options.get->pfnTransformer = GDALApproxTransform;
   options.get->pTransformerArg = approximate.get();
   options.get->pfnProgress = forward_progress;

@@ -12,7 +12,7 @@
 namespace tafoni::io::impl {
 
 struct Frame {
-  /// Of the file's pixels, in metres of `crs`, or in degrees and the like where `reproject`.
+  /// The transform of the file's pixels, in metres of `crs`, or in degrees and the like where `reproject`.
   std::array<double, 6> transform{};
   OGRSpatialReference crs;     ///< of `transform`; empty when unknown
   OGRSpatialReference target;  ///< metric; empty when unknown; `crs` unless `reproject`

@@ -10,6 +10,8 @@
 #include <fstream>
 #include <optional>
 
+#include "tafoni/math/whole.h"
+
 namespace tafoni::io::impl {
 namespace {
 
@@ -18,6 +20,21 @@ constexpr double absurd_height = 1e5;
 
 /// Values that stand for missing data when no tag says so.
 constexpr double sentinels[] = {-9999, -32768, -32767, -99999};
+/// Metres: other heights this near to a sentinel make it a height as well.
+constexpr double near_sentinel = 200;
+
+/// A tag this large or larger is compared to so many parts of itself, as it is often written with fewer
+/// digits than the value it means (-3.402823e+38); smaller ones are exact.
+constexpr double long_tag = 1e6, long_tag_error = 1e-6;
+
+/// An overview serves although rounding made it so much smaller than the size asked for.
+constexpr double overview_share = 0.999;
+
+/// The share of a pixel of an average that must be known, and the part by which rounding may make it less.
+constexpr double known_share = 0.5, known_rounding = 1e-6;
+
+/// Pixels read at once: 16 MB of doubles.
+constexpr int strip_pixels = 1 << 21;
 
 /// The sentinel among the values, unless true values lie near it, as the sea floor may at -9999 m.
 std::optional<double> find_sentinel(const double* values, std::size_t count) {
@@ -25,7 +42,7 @@ std::optional<double> find_sentinel(const double* values, std::size_t count) {
     bool found = false, near = false;
     for (std::size_t i = 0; i < count && !near; ++i) {
       found = found || values[i] == mark;
-      near = values[i] != mark && std::abs(values[i] - mark) < 200;
+      near = values[i] != mark && std::abs(values[i] - mark) < near_sentinel;
     }
     if (found && !near) return mark;
   }
@@ -111,8 +128,7 @@ class GdalSource final : public DemSource {
     if (coloured > 1 || colour(1) == GCI_PaletteIndex || (bands >= 3 && all_bytes))
       fail(ErrorKind::input,
            "{} is a picture ({} bands of colour), not an elevation model; give the elevations' own file, or "
-           "say "
-           "which band holds heights.",
+           "say which band holds heights.",
            name, bands);
     if (heights == 0) fail(ErrorKind::input, "{} holds only a transparency band, no elevations.", name);
     band = heights;
@@ -216,7 +232,7 @@ class RawSource final : public DemSource {
     type = "UInt16";
     std::error_code error;
     const auto size = std::filesystem::file_size(path, error);
-    const auto side = static_cast<std::uintmax_t>(std::llround(std::sqrt(static_cast<double>(size) / 2)));
+    const auto side = round_to<std::uintmax_t>(std::sqrt(static_cast<double>(size) / 2));
     if (error || !file_ || side * side * 2 != size || side > 1'000'000)
       fail(ErrorKind::input,
            "{} is no square 16-bit heightmap: {} bytes are not twice a square; convert it to PNG or TIFF.",
@@ -278,7 +294,7 @@ class Averager {
   }
   void finish_row() {
     for (int col = 0; col < out_.width(); ++col) {
-      if (weights_[col] > 0.5 * fx_ * fy_ * (1 - 1e-6))
+      if (weights_[col] > known_share * fx_ * fy_ * (1 - known_rounding))
         out_.at(col, row_) = static_cast<float>(sums_[col] / weights_[col]);
     }
     std::fill(sums_.begin(), sums_.end(), 0.0);
@@ -319,8 +335,7 @@ std::unique_ptr<DemSource> DemSource::open(const std::filesystem::path& path, in
 bool DemSource::is_nodata(double stored) const {
   if (!has_nodata) return false;
   if (stored == nodata) return true;
-  // Tags are often written with fewer digits than the value they mean (-3.402823e+38).
-  return std::abs(nodata) > 1e6 && std::abs(stored - nodata) <= 1e-6 * std::abs(nodata);
+  return std::abs(nodata) > long_tag && std::abs(stored - nodata) <= long_tag_error * std::abs(nodata);
 }
 
 void DemSource::read(std::size_t level, int x, int y, int w, int h, double* out) {
@@ -361,20 +376,20 @@ raster::Grid<float> read_window(DemSource& source, const std::array<int, 4>& win
   std::size_t level = 0;
   for (std::size_t i = 1; i < source.levels.size(); ++i) {
     const Level& coarse = source.levels[i];
-    if (coarse.width * fx >= source.width() * 0.999 && coarse.height * fy >= source.height() * 0.999)
+    if (coarse.width * fx >= source.width() * overview_share &&
+        coarse.height * fy >= source.height() * overview_share)
       level = i;
   }
   const Level& from = source.levels[level];
   const double wide = 1.0 * source.width() / from.width;
   const double tall = 1.0 * source.height() / from.height;
   const auto [x, y, w, h] = window;
-  const int left = static_cast<int>(x / wide), top = static_cast<int>(y / tall);
-  const int right = std::min(from.width, static_cast<int>(std::ceil((x + w) / wide)));
-  const int bottom = std::min(from.height, static_cast<int>(std::ceil((y + h) / tall)));
+  const int left = floor_to(x / wide), top = floor_to(y / tall);
+  const int right = std::min(from.width, ceil_to((x + w) / wide));
+  const int bottom = std::min(from.height, ceil_to((y + h) / tall));
   const int columns = right - left;
 
-  // Whole blocks a strip, or compressed blocks would be unpacked again and again.
-  constexpr int strip_pixels = 1 << 21;
+  // A strip is whole blocks, or compressed ones would be unpacked again and again.
   const int blocks = std::max(1, strip_pixels / columns / from.block_height);
   const int most_rows = std::max(1, std::min(blocks * from.block_height, strip_pixels / columns));
   std::vector<double> strip;

@@ -32,10 +32,11 @@ class DemSource {
   DemSource(const DemSource&) = delete;
   DemSource& operator=(const DemSource&) = delete;
 
-  /// `band` from 1, or 0 for the one that holds elevations. `height_scale` metres a unit, or 0.
+  /// `band` counts from 1; 0 is the one that holds elevations. `height_scale` is metres a unit, or 0 for the
+  /// file's own.
   static std::unique_ptr<DemSource> open(const std::filesystem::path& path, int band, double height_scale);
 
-  /// Heights of rows [y, y + h) and columns [x, x + w) of `level` into out[w * h].
+  /// Reads the heights of rows [y, y + h) and columns [x, x + w) of `level` into out[w * h].
   void read(std::size_t level, int x, int y, int w, int h, double* out);
 
   int width() const { return levels.front().width; }
@@ -46,7 +47,8 @@ class DemSource {
   bool bytes = false;        ///< 8-bit
   int bands = 1, band = 1;
   std::vector<Level> levels;  ///< the first is the file's own, then coarser and coarser
-  /// As GDAL's geotransform, of the file's pixels in CRS units; meaningful when `georeferenced`.
+  /// Where the file's pixels lie, in CRS units, as GDAL's geotransform says it; meaningful when
+  /// `georeferenced`.
   std::array<double, 6> transform{0, 1, 0, 0, 0, 1};
   bool georeferenced = false;
   OGRSpatialReference crs;  ///< x, y order; empty when unknown
@@ -59,7 +61,7 @@ class DemSource {
 
  protected:
   DemSource() = default;
-  /// Stored values. NaN where a mask says so.
+  /// Reads stored values, NaN where a mask says that there are none.
   virtual void read_stored(std::size_t level, int x, int y, int w, int h, double* out) = 0;
   bool has_nodata = false;
   bool nan_marks_missing = false;  ///< NaN is the file's own word for missing, not a surprise

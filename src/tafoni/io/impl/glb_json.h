@@ -24,7 +24,7 @@ struct GltfAccessor {
   bool normalized = false;
 
   std::uint32_t index(std::uint64_t i) const;
-  /// Component k of element i; normalised integers in [0, 1] or [-1, 1].
+  /// Component k of element i; normalised integers come as numbers in [0, 1] or [-1, 1].
   double value(std::uint64_t i, int k) const;
 };
 
@@ -38,7 +38,7 @@ class GltfDocument {
   GltfDocument(Json json, std::span<const std::byte> binary, std::string_view file)
       : json_(std::move(json)), binary_(binary), file_(file) {}
 
-  /// json[key][index], an object.
+  /// The object json[key][index].
   const Json& at(const char* key, std::uint64_t index) const;
   std::uint64_t size(const char* key) const;
   /// A whole number that is not negative, or `init` when the key is absent.
@@ -48,7 +48,7 @@ class GltfDocument {
   Matrix transform(const Json& node) const;
   /// The nodes that stand at the top of the default scene.
   std::vector<std::uint64_t> roots() const;
-  /// object[key] as indices, empty when absent.
+  /// The indices that object[key] lists; none when it is absent.
   std::vector<std::uint64_t> indices(const Json& object, const char* key) const;
   const Json& json() const { return json_; }
   [[noreturn]] void fail_read(std::string_view what) const;

@@ -119,13 +119,18 @@ bool finite(Vec3f p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
+/// A normal as short as this has no direction that means anything.
+constexpr double shortest = 1e-6;
+/// A square of a length that is off by no more is a unit's that a writer has rounded.
+constexpr double unit_to = 1e-5;
+
 /// False when some normal has no direction.
 bool normalize(std::vector<Vec3f>& normals) {
   for (Vec3f& n : normals) {
     const double length2 = dot(to_double(n), to_double(n));
-    if (!(length2 > 1e-12) || !std::isfinite(length2)) return false;
-    // What a writer rounded is left as it is, so that reading and writing again changes nothing.
-    if (std::abs(length2 - 1) > 1e-5) n = to_float(to_double(n) * (1 / std::sqrt(length2)));
+    if (!(length2 > shortest * shortest) || !std::isfinite(length2)) return false;
+    // What is a unit already stays as it is, so that reading and writing again changes nothing.
+    if (std::abs(length2 - 1) > unit_to) n = to_float(to_double(n) * (1 / std::sqrt(length2)));
   }
   return true;
 }

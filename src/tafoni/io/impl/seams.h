@@ -15,7 +15,7 @@ struct Seams {
   std::vector<std::uint32_t> vertex;  ///< that each pair belongs to
   std::vector<std::array<std::uint32_t, 3>> corners;
 
-  /// All are empty for a mesh without texture coordinates.
+  /// All members are empty for a mesh without texture coordinates.
   explicit Seams(const mesh::Mesh& mesh);
 };
 

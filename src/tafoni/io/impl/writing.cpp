@@ -40,7 +40,7 @@ float srgb_from_linear(std::uint8_t linear) {
 }
 
 std::uint8_t linear_from_srgb(double srgb) {
-  const double s = srgb > 0 ? std::min(srgb, 1.0) : 0.0;  // NaN too
+  const double s = srgb > 0 ? std::min(srgb, 1.0) : 0.0;  // and for NaN
   const double l = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
   return static_cast<std::uint8_t>(std::lround(l * 255));
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of elevation input share: made files, real files, and the truth about the awkward ones.
+// What the tests of elevation input share: text files made in a folder of their own, and what is thrown.
 
 #include <cmath>
 #include <filesystem>
@@ -16,10 +16,6 @@
 namespace tafoni::io {
 
 namespace fs = std::filesystem;
-
-inline const fs::path data = fs::path(TAFONI_SOURCE_DIR) / ".." / "shared" / "data" / "dem";
-#define NEEDS_DATA() \
-  if (!fs::exists(data)) GTEST_SKIP() << "needs the elevation models of ../shared/data/dem"
 
 inline fs::path temporary(const std::string& name) {
   static const TestFolder folder;
@@ -72,16 +68,6 @@ inline std::string joined(const std::vector<std::string>& notes) {
   std::string out;
   for (const auto& note : notes) out += note + "\n";
   return out;
-}
-
-/// The 256 x 256 pixels that the awkward files were cut from.
-inline const raster::Raster& truth() {
-  static const raster::Raster raster = [] {
-    DemOptions options;
-    options.window = {700, 400, 256, 256};
-    return read_dem(data / "peakdistrict_karst_10m.tif", options).raster;
-  }();
-  return raster;
 }
 
 }  // namespace tafoni::io

@@ -70,7 +70,7 @@ class ChunkEditor {
   SampleBox rows(const SampleBox& part, const F& change) {
     SampleBox changed;
     const int from = part.lo.x - whole_.lo.x, n = part.size().x;
-    // Whole rows, since copies of known size are quicker.
+    // Whole rows are copied, since copies of known size are quicker.
     alignas(64) float copy[side], now[side];
     for (int z = part.lo.z; z <= part.hi.z; ++z)
       for (int y = part.lo.y; y <= part.hi.y; ++y) {

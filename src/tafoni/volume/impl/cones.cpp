@@ -95,6 +95,10 @@ namespace {
 
 HWY_EXPORT(least_of_cones);
 
+/// Of two spheres whose centres are at most this times the difference of their radii apart, the larger counts
+/// as holding the other: the cone about both would be so blunt that lean_of() divided by almost 0.
+constexpr double one_holds_other = 1.0001;
+
 /// The sphere nearest to p is not the one abreast of it where the radius grows.
 double lean_of(const Cone& c) {
   return c.grow / std::sqrt(1 - c.grow * c.grow);
@@ -104,7 +108,7 @@ double lean_of(const Cone& c) {
 
 Cone cone_between(Vec3d a, double radius_a, Vec3d b, double radius_b, double floor) {
   const double l = length(b - a);
-  if (l <= std::abs(radius_b - radius_a) * 1.0001)
+  if (l <= std::abs(radius_b - radius_a) * one_holds_other)
     return radius_a > radius_b ? Cone{a, {1, 0, 0}, 0, radius_a, 0, floor}
                                : Cone{b, {1, 0, 0}, 0, radius_b, 0, floor};
   return {a, (b - a) * (1 / l), l, radius_a, (radius_b - radius_a) / l, floor};

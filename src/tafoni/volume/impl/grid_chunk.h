@@ -49,7 +49,7 @@ class ChunkPtr {
   const GridChunk* get() const { return chunk_; }
   explicit operator bool() const { return chunk_ != nullptr; }
   bool sole() const { return chunk_->owners.load(std::memory_order_acquire) == 1; }
-  /// For the sole owner.
+  /// Only the sole owner may ask for it.
   GridChunk& mine() { return *chunk_; }
 
  private:

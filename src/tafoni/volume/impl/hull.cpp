@@ -17,6 +17,8 @@ using Wide = __int128;
 using WideVec = Vec3<Wide>;
 
 constexpr int extent_bits = 38;
+/// Parts of the extent: points that leave a line or a plane by less are flat.
+constexpr double flat_share = 1e-9;
 
 WideVec wide(Whole a) {
   return {a.x, a.y, a.z};
@@ -87,8 +89,8 @@ class Builder {
     const int ic = furthest([&](Vec3d p) { return length(cross(along, p - a)); });
     const Vec3d up = normalized(cross(along, points_[ic] - a));
     const int id = furthest([&](Vec3d p) { return std::abs(dot(up, p - a)); });
-    if (!(length(cross(along, points_[ic] - a)) > 1e-9 * extent) ||
-        !(std::abs(dot(up, points_[id] - a)) > 1e-9 * extent))
+    if (!(length(cross(along, points_[ic] - a)) > flat_share * extent) ||
+        !(std::abs(dot(up, points_[id] - a)) > flat_share * extent))
       flat();
     std::array<int, 4> t{0, ib, ic, id};
     if (dot(normal(t[0], t[1], t[2]), wide(point(t[3]) - point(t[0]))) > 0) std::swap(t[1], t[2]);

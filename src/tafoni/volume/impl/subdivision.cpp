@@ -44,7 +44,7 @@ using Vec = hn::Vec<Floats>;
 
 HWY_INLINE Vec middle(Vec a, Vec b, Vec c, Vec d) {
   const Floats f;
-  // No fused multiply-add: the same bits on every machine.
+  // There is no fused multiply-add here, so that every machine gives the same bits.
   const Vec sum = hn::Sub(hn::Mul(hn::Set(f, 9.0f), hn::Add(b, c)), hn::Add(a, d));
   return hn::Mul(sum, hn::Set(f, 0.0625f));
 }
@@ -147,7 +147,7 @@ class Patch {
            [&](int to, int near, int far) { go_on(row(0, to), row(0, near), row(0, far), plane); });
   }
 
-  /// Counted from the first sample of the patch.
+  /// Rows are counted from the first sample of the patch.
   float* row(int y, int z) const { return memory_.data() + row_ * (z * size_.y + y); }
   Vec3i lo() const { return lo_; }
   Vec3i size() const { return size_; }
@@ -162,7 +162,7 @@ class Patch {
   static Range inside(int lo, int size, int lattice) {
     return {std::max(0, -lo), std::min(size, lattice - lo)};
   }
-  /// What lies outside of the lattice: one sample on each side, from the two nearest.
+  /// Makes the one sample on each side that lies outside of the lattice from the two nearest.
   template <class Set>
   static void extend(Range in, int size, const Set& set) {
     if (in.from > 0) set(in.from - 1, in.from, in.from + 1);
