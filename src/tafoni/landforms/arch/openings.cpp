@@ -1,3 +1,6 @@
+// Windows and bridges as rock shapes: superellipses across the way, each of whose values falls with the
+// distance from its axis, so that ranges over boxes follow from the box's extents along the shape's own axes.
+
 #include "tafoni/landforms/arch/openings.h"
 
 #include <algorithm>

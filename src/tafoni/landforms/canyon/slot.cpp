@@ -1,3 +1,7 @@
+// Slot canyons: along the river's smoothed course, each cross section is a column of negative points from the
+// floor to above the bed. Noise shifts the columns sideways (walls that overhang) and widens them (chambers);
+// energies are such that the points together open the slot to its width.
+
 #include "tafoni/landforms/canyon/slot.h"
 
 #include <algorithm>

@@ -1,3 +1,7 @@
+// Rivers: cells of great stream power over the filled terrain. Floods spread from them over lower flats, and
+// three box means carry their stress, the bed's elevation and the flow's direction into the banks. Courses
+// are traced upstream from where the most water leaves.
+
 #include "tafoni/landforms/canyon/streams.h"
 
 #include <algorithm>

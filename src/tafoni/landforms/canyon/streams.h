@@ -1,5 +1,6 @@
 #pragma once
-// Rivers of a terrain and what they do to their banks [Paris19 §6.1].
+// Rivers of a terrain and what they do to their banks [Paris19 §6.1]: found once, by stream power, as rasters
+// of the floods' stress, the bed's elevation and the flow, which any place is looked up in.
 
 #include <vector>
 

@@ -1,3 +1,6 @@
+// Tunnels and chambers carved into one scalar grid. What the tree gets is a function of it: walls textured as
+// bedded rock, rims worn round where they meet the ground, fenced by the region's control field.
+
 #include "tafoni/landforms/hollows/hollow.h"
 
 #include <algorithm>

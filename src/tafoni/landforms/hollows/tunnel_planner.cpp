@@ -1,3 +1,7 @@
+// Tunnels planned under a terrain: a raster of the lowest roofs, mouths at samples of the surface that have
+// air before and rock behind them, and ways between ends as fractal legs, levelled until they can be walked;
+// a few random windings are tried until one stays under the roofs and crosses no other.
+
 #include "tafoni/landforms/hollows/tunnel_planner.h"
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 #pragma once
-// Where tunnels may go: mouths on hillsides, ways that stay under the ground and can be walked.
+// Where tunnels may go: mouths on hillsides, and ways between them and other ends that stay under the ground,
+// can be walked and do not cross one another. It plans only; a Hollow digs.
 
 #include <functional>
 #include <optional>

@@ -1,3 +1,7 @@
+// A terrain as a volume: a lattice of coarse values, each the height of the ground over it, is subdivided
+// level by level with noise [Ju01 §2]. With `detail` the coarse values are 0 and the terrain's own shape is
+// added to the subdivided noise, sample by sample.
+
 #include "tafoni/landforms/rock/fractal_ground.h"
 
 #include <algorithm>

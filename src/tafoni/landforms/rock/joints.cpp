@@ -1,3 +1,6 @@
+// Two sets of parallel planes at a random angle: one joint in each cell across a set, at a random place and
+// of a random strength, bent by noise. Noise along it opens some stretches and closes others.
+
 #include "tafoni/landforms/rock/joints.h"
 
 #include <algorithm>

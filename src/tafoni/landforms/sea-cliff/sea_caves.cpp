@@ -1,3 +1,7 @@
+// Sea caves as walks: from each strongly attacked place, far enough from the others, a walk goes along the
+// joints and turns to the weakest rock ahead, until it is spent, loses its roof or comes out on the other
+// side of a headland, as an arch. It leaves a row of tubes, and a narrower one above for the fissure.
+
 #include "tafoni/landforms/sea-cliff/sea_caves.h"
 
 #include <algorithm>

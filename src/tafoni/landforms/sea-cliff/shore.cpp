@@ -1,3 +1,6 @@
+// The sea's reach as two rasters, read at the nearest pixel: the signed distance to open water, and the
+// accessibility of the strip of ground that the sea can reach, each pixel the best of its neighbours.
+
 #include "tafoni/landforms/sea-cliff/shore.h"
 
 #include <algorithm>

@@ -1,3 +1,7 @@
+// A region's weight as a field. Each part (box, polygon, mask) is a factor with a range over any box, so that
+// the product is exactly 0, and known to be, wherever one part is; masks keep a coarse raster of the least
+// and greatest value of each tile for that.
+
 #include "tafoni/landforms/site/control.h"
 
 #include <algorithm>

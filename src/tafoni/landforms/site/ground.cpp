@@ -1,3 +1,6 @@
+// The site as its generators see it: the box in which they may act, from the raster's outline, the surface's
+// heights and the region's limits; and whether a place lies on real data, off the border and in the region.
+
 #include "tafoni/landforms/site/ground.h"
 
 #include <algorithm>

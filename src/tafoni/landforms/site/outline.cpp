@@ -1,3 +1,6 @@
+// A polygon's edges in a tree of bounding rectangles, halved by the median of the longer side. Being inside
+// is a count of crossings, distance a search that leaves out what lies farther away than the best so far.
+
 #include "tafoni/landforms/site/outline.h"
 
 #include <algorithm>

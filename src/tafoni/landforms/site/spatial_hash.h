@@ -1,5 +1,6 @@
 #pragma once
-// Points in space hashed by cell, for Poisson-sphere tests: constant time an insertion and a query.
+// Points in space hashed by cell, for Poisson-sphere tests: an open-addressed table of cells, each the head
+// of a list of its points. An insertion and a query take constant time.
 
 #include <cmath>
 #include <cstdint>

@@ -1,3 +1,7 @@
+// Blue noise on an implicit surface: in each lattice cell that the surface cuts, a jittered candidate goes to
+// the cell's interpolated zero; by rising random priority, candidates are projected by Newton steps and kept
+// where no kept sample is near. Columns of chunks are worked on in parallel by the colours of a checkerboard.
+
 #include "tafoni/landforms/site/surface.h"
 
 #include <algorithm>
