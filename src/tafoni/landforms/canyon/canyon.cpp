@@ -57,20 +57,16 @@ constexpr double row_small = 0.9, row_large = 1.1;
 constexpr double surplus = 0.4;
 }  // namespace look
 
-struct Params : impl::StreamSettings {
+struct Params : impl::StreamSettings, impl::SlotSettings {
   double height = 0;
   double retreat = 0;
   double radius = 0;
   double spacing = 0;
   double undercut = 0.85;
   double bed = 0.08;
-  double beta = 0.2;
   double cutoff = 0.12;
   double roughness = 0.5;
-  double slot_depth = 0;
-  double slot_width = 0;
   std::int64_t slots = 1;
-  double winding = 0.6;
   Params() { threshold = 0.05, flood = 0, banks = 0; }
 };
 
@@ -303,8 +299,8 @@ class CanyonWalls {
 
   field::NodePtr slots() {
     field::CloudBuilder cloud{field::CloudSettings{}};
-    impl::SlotSettings settings{p_.slot_depth, p_.slot_width, p_.winding, p_.beta,
-                                hash_combine(ground_.site().seed, Stream::slots)};
+    impl::SlotSettings settings = p_;
+    settings.seed = hash_combine(ground_.site().seed, Stream::slots);
     for (const Streams::Course& course : streams_->courses(p_.slots))
       slot_length_ += carve_slot(cloud, ground_, course, settings);
     primitives_ += cloud.size();

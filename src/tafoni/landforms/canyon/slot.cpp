@@ -75,13 +75,14 @@ class Slot {
   Slot(const Ground& ground, const SlotSettings& settings)
       : ground_(ground),
         s_(settings),
-        reach_(look::reach * settings.width),
-        step_(look::step * settings.width) {}
+        reach_(look::reach * settings.slot_width),
+        step_(look::step * settings.slot_width) {}
 
   double carve(field::CloudBuilder& cloud, const Streams::Course& course) {
-    const auto line = smooth_course(
-        course.line, step_, std::max(look::smoothing * s_.width, look::smoothing_pixels * ground_.pixel()));
-    if (static_cast<double>(line.size()) * step_ < look::least_length * s_.width) return 0;
+    const auto line =
+        smooth_course(course.line, step_,
+                      std::max(look::smoothing * s_.slot_width, look::smoothing_pixels * ground_.pixel()));
+    if (static_cast<double>(line.size()) * step_ < look::least_length * s_.slot_width) return 0;
     std::vector<std::vector<Point>> made(line.size());
     parallel_blocks(std::ssize(line), 8, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t i = begin; i < end; ++i) made[i] = section(line, i);
@@ -113,20 +114,22 @@ class Slot {
     const double along = static_cast<double>(i) * step_, left = static_cast<double>(n - 1 - i) * step_;
     // Upstream the slot begins at a fall; where it leaves, it opens to whatever lies below.
     const double depth =
-        s_.depth * smoothstep(0.0, look::head * s_.depth, left + look::fall * s_.depth) *
+        s_.slot_depth * smoothstep(0.0, look::head * s_.slot_depth, left + look::fall * s_.slot_depth) *
         (look::mean_depth +
-         look::depth_change * noise({along / (look::depth_wave * s_.width), 0, 9}, Stream::depth));
+         look::depth_change * noise({along / (look::depth_wave * s_.slot_width), 0, 9}, Stream::depth));
     std::vector<Point> points;
     const double floor = at.z - depth;
-    for (double z = floor + look::lowest * s_.width; z < at.z + look::highest * s_.width; z += step_) {
+    for (double z = floor + look::lowest * s_.slot_width; z < at.z + look::highest * s_.slot_width;
+         z += step_) {
       const double up = std::clamp((z - floor) / std::max(depth, 1e-6), 0.0, 1.0);
       const Vec3d p = at + Vec3d{0, 0, z - at.z} + aside * offset(along, z, up);
       if (!ground_.usable(p)) continue;
       const double soft = erosion_effect(ground_.resistance(p), 1, s_.beta);
       // Wide chambers where water swirled, necks between; wider where beds are soft and towards the floor.
       const double swirl =
-          noise({along / (look::swirl_along * s_.width), z / (look::swirl_up * s_.width), 4}, Stream::swirls);
-      const double half = 0.5 * s_.width *
+          noise({along / (look::swirl_along * s_.slot_width), z / (look::swirl_up * s_.slot_width), 4},
+                Stream::swirls);
+      const double half = 0.5 * s_.slot_width *
                           std::clamp((look::hard + look::soft * soft) * (1 + look::swirl * swirl) *
                                          (look::floor_width - look::narrowing * up),
                                      look::narrowest, look::widest);
@@ -142,11 +145,12 @@ class Slot {
 
   /// The walls of both sides sway together, in other places on other levels.
   double offset(double along, double z, double up) const {
-    const double sway =
-        noise({along / (look::sway_along * s_.width), z / (look::sway_up * s_.width), 17}, Stream::sway);
+    const double sway = noise(
+        {along / (look::sway_along * s_.slot_width), z / (look::sway_up * s_.slot_width), 17}, Stream::sway);
     const double flutes =
-        noise({along / (look::flute_along * s_.width), z / (look::flute_up * s_.width), 31}, Stream::flutes);
-    return s_.winding * s_.width * (look::sway * sway + look::flutes * flutes) *
+        noise({along / (look::flute_along * s_.slot_width), z / (look::flute_up * s_.slot_width), 31},
+              Stream::flutes);
+    return s_.winding * s_.slot_width * (look::sway * sway + look::flutes * flutes) *
            (1 - smoothstep(look::upright, look::all_upright, up));
   }
 
