@@ -34,12 +34,12 @@ class Hollow {
 
   void add(volume::Tunnel tunnel) { tunnels_.push_back(std::move(tunnel)); }
   void add(volume::Chamber chamber) { chambers_.push_back(std::move(chamber)); }
-  /// Finer than it need be for chambers.
+  /// Metres between the samples of the volume. Chambers could do with fewer.
   double spacing() const { return spacing_; }
 
   /// min(tree, distance to the walls), kept off where the site may not be changed. Its facts tell the
-  /// tunnels' length, the volume carved and where to walk: `routes`, places along
-  /// the floor of every tunnel, one tunnel after another, `route_points` of them each.
+  /// tunnels' length, the volume carved and where to walk: `routes`, places along the floor of every tunnel,
+  /// one tunnel after another, `route_points` of them each.
   Result finish(Progress& progress) const;
 
  private:

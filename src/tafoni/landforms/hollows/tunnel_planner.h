@@ -22,6 +22,9 @@ struct TunnelParams {
   double cover = 3;     ///< metres of rock over a roof
 };
 
+/// A tunnel of these parameters; its slope and seed are still the defaults.
+volume::TunnelSettings tunnel_settings(const TunnelParams& params);
+
 struct TunnelPlannerSettings : TunnelParams {
   Box3d area;            ///< local; x and y of where to dig
   double slope = 0.5;    ///< tangent of the steepest way
@@ -41,19 +44,19 @@ struct WayEnd {
   Vec3d floor;
   Vec3d ahead;
   double straight = 0;  ///< metres that the way keeps to this direction
-  bool open = false;    ///< under no roof
+  bool open = false;    ///< whether it lies under no roof
 };
 
 class TunnelPlanner {
  public:
   TunnelPlanner(const Ground& ground, const TunnelPlannerSettings& settings, Progress& progress);
 
-  /// In random order, the best hillsides first, no two nearer than `apart`.
+  /// The best hillsides first, otherwise in random order.
   const std::vector<Mouth>& mouths() const { return mouths_; }
   WayEnd end_of(const Mouth& mouth) const;
   /// Local z of the lowest roof of rock within `around` of a place: below it all is rock. -1e30 off the area.
   double roof(double x, double y, double around) const;
-  /// Later ways do not cross this one where one would fall from floor to floor.
+  /// From now on ways do not cross this one where one would fall from floor to floor.
   void keep_off(const volume::Tunnel& dug);
   /// A tunnel that stays under the ground but at open ends, off what `avoid` says, and can be walked;
   /// windings are added where it would be too steep. None where there is no such way.
