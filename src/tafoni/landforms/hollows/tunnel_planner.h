@@ -16,8 +16,8 @@ namespace tafoni::landforms::impl {
 struct TunnelParams {
   double radius = 2.5;     ///< metres, on average
   double swelling = 0.25;  ///< most that the radius differs from it, as a share
-  double wander =
-      0.22;             ///< most that a stretch's middle lies off its straight line, as a share of its length
+  /// Most that a stretch's middle lies off its straight line, as a share of its length.
+  double wander = 0.22;
   double floor = 0.55;  ///< radii below the axis
   double cover = 3;     ///< metres of rock over a roof
 };

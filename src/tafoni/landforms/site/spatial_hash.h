@@ -2,12 +2,12 @@
 // Points in space hashed by cell, for Poisson-sphere tests: an open-addressed table of cells, each the head
 // of a list of its points. An insertion and a query take constant time.
 
-#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "tafoni/core/random.h"
 #include "tafoni/math/vec.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms {
 
@@ -72,9 +72,7 @@ class SpatialHash {
   };
 
   Cell cell_of(Vec3d p) const {
-    return {static_cast<std::int32_t>(std::floor(p.x * scale_)),
-            static_cast<std::int32_t>(std::floor(p.y * scale_)),
-            static_cast<std::int32_t>(std::floor(p.z * scale_))};
+    return {floor_to(p.x * scale_), floor_to(p.y * scale_), floor_to(p.z * scale_)};
   }
   std::size_t find(Cell c) const {
     const std::uint64_t key = static_cast<std::uint64_t>(c.x) * 0x9e3779b97f4a7c15ull ^

@@ -14,6 +14,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/field/chunks.h"
 #include "tafoni/landforms/site/spatial_hash.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms {
 namespace {
@@ -28,10 +29,11 @@ struct Sample {
   std::uint64_t priority;
 };
 
-constexpr int newton_steps = 4;
-constexpr double stray = 3;  ///< a sample lies at most this many cells from the cell it was drawn in
+constexpr int newton_steps = 4;      ///< a candidate that has not arrived by then is given up
+constexpr double arrived_at = 0.01;  ///< spacings from the surface that count as on it
+constexpr double stray = 3;          ///< a sample lies at most this many cells from the cell it was drawn in
 
-/// All candidates of one column of chunks.
+/// Finds all candidates of one column of chunks.
 class ColumnSampler {
  public:
   ColumnSampler(const field::CompiledField& field, const SurfaceSampling& settings, double voxel)
@@ -43,8 +45,8 @@ class ColumnSampler {
                  {(a + 1) * chunk, (b + 1) * chunk, settings_.box.hi.z}};
     if (refused(column)) return {};
     const auto range = evaluator_.column(a, b);
-    const int first = std::max(range.first, static_cast<int>(std::floor(settings_.box.lo.z / chunk)));
-    const int last = std::min(range.last, static_cast<int>(std::floor(settings_.box.hi.z / chunk)));
+    const int first = std::max(range.first, floor_to(settings_.box.lo.z / chunk));
+    const int last = std::min(range.last, floor_to(settings_.box.hi.z / chunk));
     for (int c = first; c <= last; ++c) {
       progress.check();
       column.lo.z = c * chunk;
@@ -125,9 +127,7 @@ class ColumnSampler {
     const double slope2 = dot(g, g);
     if (slope2 < 1e-12) return {0, 0, -1};
     const auto mix = [](double a, double b, double t) { return a + (b - a) * t; };
-    const auto along_x = [&](int a) {
-      return mix(static_cast<double>(f[a]), static_cast<double>(f[a + 1]), u.x);
-    };
+    const auto along_x = [&](int a) { return mix(f[a], f[a + 1], u.x); };
     for (int step = 0; step < 2; ++step) {
       const double value = mix(mix(along_x(0), along_x(2), u.y), mix(along_x(4), along_x(6), u.y), u.z);
       u += g * (-value / slope2);
@@ -143,7 +143,8 @@ class ColumnSampler {
   std::vector<Candidate> result_;
 };
 
-/// Newton steps along the gradient; keeps what arrives near where it began and is accepted, in order.
+/// Moves candidates to the surface by Newton steps along the gradient; returns those that arrive near where
+/// they began and are accepted, in order.
 std::vector<Sample> project(const field::CompiledField& field, const SurfaceSampling& settings, double voxel,
                             std::span<const Candidate> candidates) {
   std::vector<Vec3d> points;
@@ -162,8 +163,8 @@ std::vector<Sample> project(const field::CompiledField& field, const SurfaceSamp
     std::size_t left = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3d g = to_double(gradients[i]);
-      const double f = static_cast<double>(values[i]), slope = length(g);
-      if (std::abs(f) < 0.01 * settings.spacing * slope) {
+      const double f = values[i], slope = length(g);
+      if (std::abs(f) < arrived_at * settings.spacing * slope) {
         const Vec3d moved = points[i] - candidates[which[i]].position;
         if (dot(moved, moved) <= (stray - 1) * (stray - 1) * voxel * voxel)
           arrived.emplace_back(which[i], SurfaceSample{points[i], to_float(g * (-1 / slope))});
@@ -200,7 +201,7 @@ class DartBoard {
         voxel_(voxel),
         first_(first),
         size_(size),
-        kept_(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)) {}
+        kept_(std::size_t{1} * size.x * size.y) {}
 
   std::vector<SurfaceSample> run(Progress& progress) {
     progress.begin("sampling the surface", kept_.size(), "tiles");
@@ -219,9 +220,7 @@ class DartBoard {
   }
 
  private:
-  std::size_t index(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.x) + static_cast<std::size_t>(x);
-  }
+  std::size_t index(int x, int y) const { return std::size_t{1} * y * size_.x + x; }
 
   void column(int x, int y, Progress& progress) {
     ColumnSampler sampler(field_, settings_, voxel_);
@@ -263,7 +262,7 @@ class DartBoard {
         }
   }
 
-  /// By priority, so that every prefix is spread over the whole region.
+  /// All samples by priority, so that every prefix is spread over the whole region.
   std::vector<SurfaceSample> gather() {
     std::vector<Sample> all;
     for (auto& part : kept_) {
@@ -304,8 +303,7 @@ std::vector<SurfaceSample> sample_surface(const field::CompiledField& field, con
     fail(ErrorKind::usage,
          "a spacing of {} m is too small for a region of {:.0f} by {:.0f} m; choose a larger one",
          settings.spacing, settings.box.size().x, settings.box.size().y);
-  const auto whole = [](double v) { return static_cast<int>(v); };
-  return DartBoard(field, settings, voxel, {whole(a0), whole(b0)}, {whole(across), whole(along)})
+  return DartBoard(field, settings, voxel, {floor_to(a0), floor_to(b0)}, {floor_to(across), floor_to(along)})
       .run(progress);
 }
 
