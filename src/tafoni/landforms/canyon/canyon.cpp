@@ -15,6 +15,7 @@
 #include "tafoni/landforms/site/surface.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms {
 namespace {
@@ -262,7 +263,7 @@ class CanyonWalls {
       const Vec3d inward =
           normalized(horizontal(a.at.normal) * -1.0 - to_double(a.at.normal) * look::row_normal);
       const double depth = p_.retreat * a.effect;
-      const int row = 1 + static_cast<int>(std::max(0.0, depth - look::row_first * p_.radius) / step);
+      const int row = 1 + floor_to(std::max(0.0, depth - look::row_first * p_.radius) / step);
       for (int k = 0; k < row; ++k) {
         const Vec3d center = a.at.position + inward * (k * step);
         if (!ground_.usable(center)) break;

@@ -193,7 +193,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   Result result;
   std::vector<Vec3d> places;
   std::vector<double> radii;
-  std::uint64_t primitives = 0;
+  std::int64_t primitives = 0;
   if (!ground.box().empty()) {
     Craters craters(ground, p);
     const std::vector<Blast> blasts = craters.blasts(progress);
@@ -207,7 +207,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   result.facts.count("explosions", std::ssize(radii))
       .places("positions", places)
       .lengths("radii", radii)
-      .count("primitives", static_cast<std::int64_t>(primitives));
+      .count("primitives", primitives);
   return result;
 }
 

@@ -95,17 +95,18 @@ void TunnelPlanner::look_for_roofs() {
   const Vec3d extent = s_.area.size();
   const double step =
       std::max(look::roof_pixel * s_.radius, std::max(extent.x, extent.y) / look::roofs_across);
-  const int nx = static_cast<int>(extent.x / step) + 2, ny = static_cast<int>(extent.y / step) + 2;
+  const int nx = floor_to(extent.x / step) + 2, ny = floor_to(extent.y / step) + 2;
   roofs_.placement = {s_.area.lo.x - 0.5 * step, s_.area.hi.y + 0.5 * step, step, step};
   roofs_.values = raster::Grid<float>(nx, ny, static_cast<float>(nowhere));
   const double low = std::max(s_.lowest, s_.area.lo.z),
                rise = std::max(look::least_rise, look::roof_rise * s_.radius);
-  const int most = static_cast<int>((s_.area.hi.z - low) / rise) + 2;
-  parallel_for(ny, [&](std::int64_t row) {
+  const int most = floor_to((s_.area.hi.z - low) / rise) + 2;
+  parallel_for(ny, [&](std::int64_t line_of) {
+    const int row = static_cast<int>(line_of);
     std::vector<Vec3d> line;
     std::vector<float> values;
     for (int col = 0; col < nx; ++col) {
-      const Vec2d at = roofs_.placement.center(col, static_cast<int>(row));
+      const Vec2d at = roofs_.placement.center(col, row);
       if (!ground_.usable({at.x, at.y, s_.area.center().z}, s_.radius)) continue;
       line.clear();
       for (int k = 0; k < most; ++k) line.push_back({at.x, at.y, low + rise * k});
@@ -113,7 +114,7 @@ void TunnelPlanner::look_for_roofs() {
       field_.values(line, values);
       const auto air = std::find_if(values.begin(), values.end(), [](float v) { return v <= 0; });
       const auto solid = static_cast<double>(air - values.begin()) - 1;
-      if (solid > 0) roofs_.values.at(col, static_cast<int>(row)) = static_cast<float>(low + rise * solid);
+      if (solid > 0) roofs_.values.at(col, row) = static_cast<float>(low + rise * solid);
     }
   });
 }
@@ -203,8 +204,8 @@ std::optional<volume::Tunnel> TunnelPlanner::attempt(const WayEnd& from, const W
   volume::Tunnel made;
   made.floor = s_.floor * r;
   const auto straight = [&](Vec3d p, Vec3d q) {
-    const int n = std::max(1, static_cast<int>(length(q - p) / t.step));
-    for (int i = 0; i < n; ++i) made.axis.push_back({p + (q - p) * (static_cast<double>(i) / n), r});
+    const int n = std::max(1, floor_to(length(q - p) / t.step));
+    for (int i = 0; i < n; ++i) made.axis.push_back({p + (q - p) * (1.0 * i / n), r});
   };
   straight(a, a1);
   for (std::size_t i = 0; i + 1 < stops.size(); ++i) {

@@ -217,7 +217,7 @@ FractalGround fractal_ground(const Ground& ground, const FractalGroundSettings& 
   const LatticeFiller filler(ground, s);
   const Vec3i wanted = filler.settings().size();
   constexpr double most = 0x1p32;
-  if (static_cast<double>(wanted.x) * wanted.y * wanted.z > most)
+  if (1.0 * wanted.x * wanted.y * wanted.z > most)
     fail(ErrorKind::usage,
          "a spacing of {:.3g} m makes {} x {} x {} samples, more than 2^32; give a greater one",
          filler.settings().spacing, wanted.x, wanted.y, wanted.z);

@@ -160,7 +160,7 @@ double RangedRaster::at(Vec3d p) const {
   const Vec2d at = placement_.pixel(p.x, p.y);
   const double x = std::clamp(at.x, 0.0, values_.width() - 1.0);
   const double y = std::clamp(at.y, 0.0, values_.height() - 1.0);
-  const int col = static_cast<int>(x), row = static_cast<int>(y);
+  const int col = floor_to(x), row = floor_to(y);
   const int right = std::min(col + 1, values_.width() - 1), below = std::min(row + 1, values_.height() - 1);
   const double u = x - col, v = y - row;
   const double top = mix(values_.at(col, row), values_.at(right, row), u);

@@ -88,7 +88,7 @@ class ColumnSampler {
       for (int j = 0; j <= n; ++j) {
         solid[k][j] = 0;
         for (int i = 0; i <= n; ++i)
-          solid[k][j] |= static_cast<unsigned>(samples_.at(bx * n + i, by * n + j, bz * n + k) > 0) << i;
+          solid[k][j] |= unsigned{samples_.at(bx * n + i, by * n + j, bz * n + k) > 0} << i;
       }
     for (int k = 0; k < n; ++k)
       for (int j = 0; j < n; ++j) {
@@ -104,9 +104,7 @@ class ColumnSampler {
     const Box3d box{lo, lo + Vec3d{voxel_, voxel_, voxel_}};
     if (!settings_.box.overlaps(box.grown(voxel_)) || refused(box)) return;
     const auto at = cell(i, j, k);
-    Random random(settings_.seed, static_cast<std::uint64_t>(at.x) * 0x9e3779b97f4a7c15ull ^
-                                      static_cast<std::uint64_t>(at.y) * 0xc2b2ae3d27d4eb4full ^
-                                      static_cast<std::uint64_t>(at.z) * 0x165667b19e3779f9ull);
+    Random random(settings_.seed, key_of_cell(at.x, at.y, at.z));
     float f[8];
     for (int corner = 0; corner < 8; ++corner)
       f[corner] = samples_.at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2));
@@ -120,7 +118,7 @@ class ColumnSampler {
   /// Two Newton steps towards the zero of the cell's trilinear interpolant with its mean gradient, per cell,
   /// which is returned. `u` in cells from the cell's low corner.
   static Vec3d approach(const float (&f)[8], Vec3d& u) {
-    const auto d = [&](int a, int b) { return static_cast<double>(f[a] - f[b]); };
+    const auto d = [&](int a, int b) { return double{f[a] - f[b]}; };
     const Vec3d g = Vec3d{d(1, 0) + d(3, 2) + d(5, 4) + d(7, 6), d(2, 0) + d(3, 1) + d(6, 4) + d(7, 5),
                           d(4, 0) + d(5, 1) + d(6, 2) + d(7, 3)} *
                     0.25;
