@@ -51,7 +51,7 @@ void blur(raster::Grid<std::array<float, n>>& grid, int radius) {
   const float scale = 1 / static_cast<float>(2 * radius + 1);
   const auto line = [&](Cell* data, int count, std::ptrdiff_t stride, std::vector<Cell>& copy) {
     for (int i = 0; i < count; ++i) copy[i] = data[i * stride];
-    // In double: what is added and taken off again must leave exactly nothing behind.
+    // Sums are double, as what is added and taken off again must leave exactly nothing behind.
     std::array<double, n> sum{};
     const auto add = [&](int i, double sign) {
       if (i < 0 || i >= count) return;
@@ -98,7 +98,7 @@ bool Streams::rim(int col, int row) const {
   return false;
 }
 
-/// Stream power in the river's bed as a share of the greatest, 0 elsewhere.
+/// The stream power in the river's bed as a share of the greatest; 0 elsewhere.
 raster::Grid<float> Streams::power(Progress& progress) {
   raster::Grid<float> slope = terrain::slope(filled_, progress);
   for (float& s : slope.values())
@@ -220,7 +220,7 @@ bool Streams::near(Vec3d p, double around, double height) const {
   return false;
 }
 
-/// The neighbour of steepest descent; -1 where water leaves the map.
+/// The neighbour to which the ground falls most steeply; -1 where water leaves the map.
 std::ptrdiff_t Streams::receiver(std::ptrdiff_t cell) const {
   const auto [col, row] = pixel_of(cell, filled_.width());
   const float h = filled_.values.data()[cell];
@@ -237,7 +237,7 @@ std::ptrdiff_t Streams::receiver(std::ptrdiff_t cell) const {
   return best;
 }
 
-/// Upstream along the greatest area, marking the cells on and beside the course as taken.
+/// Follows the greatest area upstream and marks the cells on and beside the course as taken.
 Streams::Course Streams::trace(std::ptrdiff_t mouth, std::vector<bool>& taken) const {
   Course course;
   const auto catchment = static_cast<float>(settings_.catchment);
@@ -278,7 +278,8 @@ std::vector<Streams::Course> Streams::courses(std::size_t count) const {
   const int width = area_.width();
   // Courses too short to count are passed over, but not for ever.
   for (std::size_t tries = 0; out.size() < count && tries < 4 * count + 16; ++tries) {
-    // Where the most water leaves the river bed's cells for the map's rim or for a course already there.
+    // A course's mouth is where the most water leaves the river bed's cells for the map's rim or for a course
+    // already there.
     std::ptrdiff_t mouth = -1;
     for (std::ptrdiff_t i = 0; i < std::ssize(area_); ++i) {
       if (taken[i] || !(stress_.data()[i] > 0)) continue;
@@ -289,7 +290,7 @@ std::vector<Streams::Course> Streams::courses(std::size_t count) const {
       mouth = i;
     }
     if (mouth < 0) break;
-    // Where a bed is broad the most water may run in one cell far upstream; down from there to the rim.
+    // Where a bed is broad the most water may run in one cell far upstream: the mouth is down from there.
     for (std::ptrdiff_t next = mouth; next >= 0 && !taken[next]; next = receiver(next)) mouth = next;
     Course course = trace(mouth, taken);
     if (course.line.size() >= look::least_course) out.push_back(std::move(course));

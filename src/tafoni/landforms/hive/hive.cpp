@@ -39,8 +39,8 @@ constexpr int places = 500;
 constexpr double chance = 6, height_loss = 0.7;
 // Between rooms, for the tunnels to turn in; and metres of rock under a room.
 constexpr double between_rooms = 6, under_room = 2;
-// A door, in cells of the room: how far inside its wall and how high its floor lies, for rooms have walls of
-// a cell. A way leads straight out of the wall and so much farther.
+// A door, in cells of the room: how far inside its outline and how high its floor lies. A way leads straight
+// out of the room and so much farther.
 constexpr double door_inset = 1.4, door_height = 0.55, door_straight = 2.5;
 // Metres from step to step when the floor of a room is looked for.
 constexpr double floor_step = 0.1;
@@ -96,7 +96,7 @@ const ParamTable<Params>& table() {
   return params;
 }
 
-/// A chamber with its four doors.
+/// A chamber that the hive has, with its four doors.
 struct Room {
   volume::Chamber chamber;
   std::vector<WayEnd> doors;
@@ -185,7 +185,7 @@ class Hive {
       const double roof = planner_.roof(at.x, at.y, around) - p_.cover - size.z;
       at.z = std::min(roof, target - 0.5 * s.cell);
       if (at.z < area_.lo.z + look::under_room || !apart(at, around)) continue;
-      // Deep under a mountain is no better than shallow under a hill.
+      // A room deep under a mountain is no better than a shallow one under a hill.
       const double worth = merit - look::height_loss * std::abs(at.z - std::min(target, 1e6));
       if (worth <= best) continue;
       best = worth;

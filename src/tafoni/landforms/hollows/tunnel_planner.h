@@ -34,7 +34,7 @@ struct TunnelPlannerSettings : TunnelParams {
 
 /// A place on a hillside where a tunnel can open.
 struct Mouth {
-  Vec3d ground;  ///< local, on the surface: where its floor begins
+  Vec3d ground;  ///< local, on the surface, where its floor begins
   Vec3d inward;  ///< unit, horizontal
   double slope;  ///< of the ground, radians
 };
@@ -51,10 +51,11 @@ class TunnelPlanner {
  public:
   TunnelPlanner(const Ground& ground, const TunnelPlannerSettings& settings, Progress& progress);
 
-  /// The best hillsides first, otherwise in random order.
+  /// The best hillsides come first, otherwise in random order.
   const std::vector<Mouth>& mouths() const { return mouths_; }
   WayEnd end_of(const Mouth& mouth) const;
-  /// Local z of the lowest roof of rock within `around` of a place: below it all is rock. -1e30 off the area.
+  /// Local z of the lowest roof of rock within `around` of a place: below it all is rock. It is -1e30 off the
+  /// area.
   double roof(double x, double y, double around) const;
   /// From now on ways do not cross this one where one would fall from floor to floor.
   void keep_off(const volume::Tunnel& dug);

@@ -13,9 +13,8 @@ constexpr double erosion_effect(double rho, double stress, double beta) {
 }
 
 /// The energy of each of a line of points `step` apart, of radius of influence `reach`, that opens a tube of
-/// radius `open` < reach where the rock's field is `amplitude` (deep inside). Their falloffs sum up to
-/// (32/35) (reach / step) (1 - (r / reach)^2)^(7/2) at distance r from a long line; for a step below reach
-/// / 2.
+/// radius `open` < reach where the rock's field is `amplitude` (deep inside). For a step below reach / 2
+/// their falloffs sum up to (32/35) (reach / step) (1 - (r / reach)^2)^(7/2) at distance r from a long line.
 inline double tube_energy(double amplitude, double open, double reach, double step) {
   const double q = 1 - (open / reach) * (open / reach);
   return amplitude * step * 35 / (32 * reach * std::pow(q, 3.5));

@@ -82,7 +82,7 @@ class ColumnSampler {
     constexpr int n = field::brick_cells;
     const Box3d brick{corner(bx * n, by * n, bz * n), corner((bx + 1) * n, (by + 1) * n, (bz + 1) * n)};
     if (!settings_.box.overlaps(brick.grown(voxel_)) || refused(brick)) return;
-    // Bit i of solid[k][j]: the sample is rock. A cell is cut where its eight corners differ.
+    // Bit i of solid[k][j] tells whether the sample is rock. A cell is cut where its eight corners differ.
     unsigned solid[n + 1][n + 1];
     for (int k = 0; k <= n; ++k)
       for (int j = 0; j <= n; ++j) {
@@ -115,8 +115,8 @@ class ColumnSampler {
     result_.push_back({shown.position, random.next()});
   }
 
-  /// Two Newton steps towards the zero of the cell's trilinear interpolant with its mean gradient, per cell,
-  /// which is returned. `u` in cells from the cell's low corner.
+  /// Takes two Newton steps towards the zero of the cell's trilinear interpolant with its mean gradient,
+  /// which it returns, per cell; `u` is in cells from the cell's low corner.
   static Vec3d approach(const float (&f)[8], Vec3d& u) {
     const auto d = [&](int a, int b) { return double{f[a] - f[b]}; };
     const Vec3d g = Vec3d{d(1, 0) + d(3, 2) + d(5, 4) + d(7, 6), d(2, 0) + d(3, 1) + d(6, 4) + d(7, 5),
@@ -229,7 +229,8 @@ class DartBoard {
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const Candidate& a, const Candidate& b) { return a.priority < b.priority; });
     std::vector<Sample>& kept = kept_[index(x, y)];
-    // In rounds: most candidates of the later ones lie beside a sample already and need no projecting.
+    // The work goes in rounds, as most candidates of the later ones lie beside a sample already and need no
+    // projecting.
     const std::span<const Candidate> all(candidates);
     std::vector<Candidate> round;
     for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
@@ -246,8 +247,8 @@ class DartBoard {
     kept.shrink_to_fit();
   }
 
-  /// What neighbours have accepted within reach of the column's candidates, which may lie two cells outside
-  /// it.
+  /// Adds what neighbours have accepted within reach of the column's candidates, which may lie two cells
+  /// outside it.
   void add_neighbours(int x, int y, SpatialHash& hash) const {
     const double side = voxel_ * field::chunk_cells, reach = settings_.spacing + stray * voxel_;
     const double west = (first_.x + x) * side - reach, south = (first_.y + y) * side - reach;
