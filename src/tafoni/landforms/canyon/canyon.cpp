@@ -132,7 +132,7 @@ Params with_defaults(Params p, const Ground& ground) {
   pick(p.banks, look::banks * p.radius);
   pick(p.height, look::height * p.radius);
   pick(p.retreat, look::retreat * p.radius);
-  pick(p.slot_width, 2 * p.radius);
+  pick(p.slot_width, look::slot_width * p.radius);
   return p;
 }
 

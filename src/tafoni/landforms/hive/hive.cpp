@@ -106,8 +106,7 @@ struct Room {
 class Hive {
  public:
   Hive(const Ground& ground, const Params& p, const Box3d& area, Progress& progress)
-      : ground_(ground),
-        p_(p),
+      : p_(p),
         area_(area),
         random_(ground.site().seed, Stream::rooms),
         progress_(progress),
@@ -314,7 +313,6 @@ class Hive {
                        [&](const WayEnd* door) { return dig(from, *door); });
   }
 
-  const Ground& ground_;
   const Params& p_;
   Box3d area_;
   Random random_;
