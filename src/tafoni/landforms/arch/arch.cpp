@@ -30,6 +30,8 @@ constexpr double narrower = 0.8, lower = 0.85;
 // ends and the piers begin, and above it in shares of the roof (of the half height, for the piers).
 constexpr double piers = 1.35, pier_step = 0.15, span = 1.2, roof_low = 0.3, roof_high = 0.95,
                  roof_step = 0.2;
+// A window's corners are tested at this share of its half height: it is vaulted.
+constexpr double corners = 0.9;
 // The crown of a window with a shaft lies so far before its middle, in half lengths.
 constexpr double crown = 0.25;
 // The skin about a shaft is tested so many radii from its axis, from so many roofs above the window up to so
@@ -140,7 +142,7 @@ class Arches {
   /// Whether the corners of a window lie on real data and in the region.
   bool inside(const impl::Window& w) const {
     const Vec3d u = w.along() * w.half_width, d = w.through * w.half_length;
-    for (double z : {-0.9, 0.9})
+    for (double z : {-look::corners, look::corners})
       for (const Vec3d& c : {u + d, u - d, d - u, -u - d})
         if (!ground_.usable(w.center + c + Vec3d{0, 0, z * w.half_height})) return false;
     return true;

@@ -15,12 +15,19 @@ namespace {
 namespace look {
 // Powers of the superellipses: a window's vault and its flat floor with rounded corners; a bridge's section.
 constexpr double vault = 2.3, floor = 5;
+// How a window's section meets its far ends: the powers of both in a superellipse, so that it stays wide.
+constexpr double section = 6, lengthways = 12;
 constexpr double bridge_section = 3;
 // Share of its span that each end of a bridge reaches into the rock.
 constexpr double overhang = 0.12;
 // How much broader and deeper a bridge is at its ends than in the middle, and by which power of the way
 // there.
 constexpr double end_breadth = 0.9, end_depth = 1.6, end_power = 3;
+// A bridge bends to the side as a sine of so many radians from end to end, from this one on.
+constexpr double bend = 3.1, bend_start = 0.4;
+// Bounds of what follows from these: of the slope of the bend, in wanders a span, and of the line's, in
+// rises; of the ends' thickness, in the middle's, and of how far they reach beyond the span, in spans.
+constexpr double bend_slope = 6, rise_slope = 5.5, thickest = 3.2, beyond = 0.3;
 }  // namespace look
 
 struct Span {
@@ -73,7 +80,9 @@ class WindowShape final : public RockShape {
     // The roof is vaulted, the floor flat with rounded corners.
     const double n = t > 0 ? look::vault : look::floor;
     const double section = std::pow(std::pow(a, n) + std::pow(b, n), 1 / n);
-    return (1 - std::pow(std::pow(section, 6.0) + std::pow(l, 12.0), 1.0 / 6)) * least_;
+    return (1 -
+            std::pow(std::pow(section, look::section) + std::pow(l, look::lengthways), 1 / look::section)) *
+           least_;
   }
 
   /// The shaft's value at a distance from its axis and a height above the window's centre.
@@ -129,7 +138,9 @@ class BridgeShape final : public RockShape {
   double line(double t) const {
     return b_.from.z + (b_.to.z - b_.from.z) * t + b_.rise * (1 - end(t) * end(t));
   }
-  double bend(double t) const { return b_.wander * std::sin(3.1 * t + 0.4) * (1 - std::min(1.0, end(t))); }
+  double bend(double t) const {
+    return b_.wander * std::sin(look::bend * t + look::bend_start) * (1 - std::min(1.0, end(t)));
+  }
   double breadth(double t) const {
     return b_.width * (1 + look::end_breadth * std::pow(end(t), look::end_power));
   }
@@ -155,8 +166,8 @@ class BridgeShape final : public RockShape {
     Span w = both(breadth(t0), breadth(t1)), h = both(depth(t0), depth(t1));
     if (t0 < 0.5 && t1 > 0.5) w.lo = breadth(0.5), h.lo = depth(0.5);
     const double half = 0.5 * (t1 - t0), m = 0.5 * (t0 + t1);
-    const double sway = half * 6 * std::abs(b_.wander);
-    const double climb = half * (std::abs(b_.to.z - b_.from.z) + 5.5 * std::abs(b_.rise));
+    const double sway = half * look::bend_slope * std::abs(b_.wander);
+    const double climb = half * (std::abs(b_.to.z - b_.from.z) + look::rise_slope * std::abs(b_.rise));
     const double low = line(m) - climb - (h.hi - b_.depth), high = line(m) + climb - (h.lo - b_.depth);
     const Span side{s.lo - bend(m) - sway, s.hi - bend(m) + sway}, up{z0 - high, z1 - low};
     return {round(side.most() / w.lo, up.most() / h.lo), round(side.least() / w.hi, up.least() / h.hi)};
@@ -197,9 +208,9 @@ std::shared_ptr<const RockShape> bridge_shape(const Bridge& bridge, const RockTe
 
 Box3d reach(const Bridge& b, double margin, double amplitude) {
   const double grown =
-      3.2 * std::max(b.width, b.depth) * (1 + (margin + amplitude) / std::min(b.width, b.depth));
+      look::thickest * std::max(b.width, b.depth) * (1 + (margin + amplitude) / std::min(b.width, b.depth));
   Box3d box;
-  const double beyond = 0.3 * length(b.to - b.from) + margin + amplitude;
+  const double beyond = look::beyond * length(b.to - b.from) + margin + amplitude;
   box.expand(b.from);
   box.expand(b.to);
   box = box.grown(grown + std::abs(b.wander));
