@@ -1,10 +1,34 @@
+// Windows and bridges as rock shapes: superellipses across the way, each of whose values falls with the
+// distance from its axis, so that ranges over boxes follow from the box's extents along the shape's own axes.
+
 #include "tafoni/landforms/arch/openings.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "tafoni/math/whole.h"
+
 namespace tafoni::landforms::impl {
 namespace {
+
+/// Chosen by eye.
+namespace look {
+// Powers of the superellipses: a window's vault and its flat floor with rounded corners; a bridge's section.
+constexpr double vault = 2.3, floor = 5;
+// How a window's section meets its far ends: the powers of both in a superellipse, so that it stays wide.
+constexpr double section = 6, lengthways = 12;
+constexpr double bridge_section = 3;
+// Share of its span that each end of a bridge reaches into the rock.
+constexpr double overhang = 0.12;
+// How much broader and deeper a bridge is at its ends than in the middle, and by which power of the way
+// there.
+constexpr double end_breadth = 0.9, end_depth = 1.6, end_power = 3;
+// A bridge bends to the side as a sine of so many radians from end to end, from this one on.
+constexpr double bend = 3.1, bend_start = 0.4;
+// Bounds of what follows from these: of the slope of the bend, in wanders a span, and of the line's, in
+// rises; of the ends' thickness, in the middle's, and of how far they reach beyond the span, in spans.
+constexpr double bend_slope = 6, rise_slope = 5.5, thickest = 3.2, beyond = 0.3;
+}  // namespace look
 
 struct Span {
   double lo, hi;
@@ -49,17 +73,19 @@ class WindowShape final : public RockShape {
   }
 
  private:
-  /// Of the distances sideways, upwards and lengthways; falls with the magnitude of each.
+  /// The tunnel's value at distances sideways, upwards and lengthways; it falls with the magnitude of each.
   double tube(double s, double t, double w) const {
     const double a = s / w_.half_width, l = w / w_.half_length;
     const double b = std::abs(t) / w_.half_height;
     // The roof is vaulted, the floor flat with rounded corners.
-    const double n = t > 0 ? 2.3 : 5;
+    const double n = t > 0 ? look::vault : look::floor;
     const double section = std::pow(std::pow(a, n) + std::pow(b, n), 1 / n);
-    return (1 - std::pow(std::pow(section, 6.0) + std::pow(l, 12.0), 1.0 / 6)) * least_;
+    return (1 -
+            std::pow(std::pow(section, look::section) + std::pow(l, look::lengthways), 1 / look::section)) *
+           least_;
   }
 
-  /// Of the distance from the axis and the height above the window's centre.
+  /// The shaft's value at a distance from its axis and a height above the window's centre.
   double shaft(double r, double t) const {
     return std::min({w_.shaft_radius - r, t + w_.half_height, w_.shaft_top - t});
   }
@@ -88,9 +114,9 @@ class BridgeShape final : public RockShape {
     const Span u = impl::along(box, b_.from, ahead_), s = impl::along(box, b_.from, side_);
     // In short pieces lengthways the curve, the breadth and the depth vary little.
     constexpr int most_pieces = 64;
-    const double lo = std::clamp(u.lo / span_, -overhang, 1 + overhang),
-                 hi = std::clamp(u.hi / span_, -overhang, 1 + overhang);
-    const int pieces = std::clamp(static_cast<int>(std::ceil((hi - lo) * most_pieces)), 1, 2 * most_pieces);
+    const double lo = std::clamp(u.lo / span_, -look::overhang, 1 + look::overhang),
+                 hi = std::clamp(u.hi / span_, -look::overhang, 1 + look::overhang);
+    const int pieces = std::clamp(ceil_to((hi - lo) * most_pieces), 1, 2 * most_pieces);
     Range r{1e30, -1e30};
     for (int i = 0; i < pieces; ++i) {
       const double t0 = lo + (hi - lo) * i / pieces, t1 = lo + (hi - lo) * (i + 1) / pieces;
@@ -99,32 +125,38 @@ class BridgeShape final : public RockShape {
       r.hi = std::max(r.hi, piece.hi);
     }
     // Beyond the ends the value falls with the distance from them.
-    const double beyond = std::max({0.0, u.lo / span_ - (1 + overhang), -overhang - u.hi / span_}) * span_;
-    const double farthest = std::max({0.0, u.hi / span_ - (1 + overhang), -overhang - u.lo / span_}) * span_;
+    const double beyond =
+        std::max({0.0, u.lo / span_ - (1 + look::overhang), -look::overhang - u.hi / span_}) * span_;
+    const double farthest =
+        std::max({0.0, u.hi / span_ - (1 + look::overhang), -look::overhang - u.lo / span_}) * span_;
     return {r.lo - farthest, r.hi - beyond};
   }
 
  private:
-  static constexpr double overhang = 0.12;  ///< share of the span that each end reaches into the rock
-
   /// 0 in the middle, 1 at the ends and beyond.
   static double end(double t) { return std::clamp(std::abs(2 * t - 1), 0.0, 1.3); }
   double line(double t) const {
     return b_.from.z + (b_.to.z - b_.from.z) * t + b_.rise * (1 - end(t) * end(t));
   }
-  double bend(double t) const { return b_.wander * std::sin(3.1 * t + 0.4) * (1 - std::min(1.0, end(t))); }
-  double breadth(double t) const { return b_.width * (1 + 0.9 * std::pow(end(t), 3.0)); }
-  double depth(double t) const { return b_.depth * (1 + 1.6 * std::pow(end(t), 3.0)); }
+  double bend(double t) const {
+    return b_.wander * std::sin(look::bend * t + look::bend_start) * (1 - std::min(1.0, end(t)));
+  }
+  double breadth(double t) const {
+    return b_.width * (1 + look::end_breadth * std::pow(end(t), look::end_power));
+  }
+  double depth(double t) const {
+    return b_.depth * (1 + look::end_depth * std::pow(end(t), look::end_power));
+  }
 
   double value(double t, double s, double z) const {
-    const double c = std::clamp(t, -overhang, 1 + overhang);
+    const double c = std::clamp(t, -look::overhang, 1 + look::overhang);
     // The deck stays level with the line: what the ends gain in depth they gain below.
     const double middle = line(c) - (depth(c) - b_.depth);
     return round(std::abs(s - bend(c)) / breadth(c), std::abs(z - middle) / depth(c)) -
            std::abs(t - c) * span_;
   }
   double round(double a, double b) const {
-    constexpr double n = 3;
+    constexpr double n = look::bridge_section;
     return (1 - std::cbrt(std::pow(a, n) + std::pow(b, n))) * std::min(b_.width, b_.depth);
   }
 
@@ -134,8 +166,8 @@ class BridgeShape final : public RockShape {
     Span w = both(breadth(t0), breadth(t1)), h = both(depth(t0), depth(t1));
     if (t0 < 0.5 && t1 > 0.5) w.lo = breadth(0.5), h.lo = depth(0.5);
     const double half = 0.5 * (t1 - t0), m = 0.5 * (t0 + t1);
-    const double sway = half * 6 * std::abs(b_.wander);
-    const double climb = half * (std::abs(b_.to.z - b_.from.z) + 5.5 * std::abs(b_.rise));
+    const double sway = half * look::bend_slope * std::abs(b_.wander);
+    const double climb = half * (std::abs(b_.to.z - b_.from.z) + look::rise_slope * std::abs(b_.rise));
     const double low = line(m) - climb - (h.hi - b_.depth), high = line(m) + climb - (h.lo - b_.depth);
     const Span side{s.lo - bend(m) - sway, s.hi - bend(m) + sway}, up{z0 - high, z1 - low};
     return {round(side.most() / w.lo, up.most() / h.lo), round(side.least() / w.hi, up.least() / h.hi)};
@@ -176,9 +208,9 @@ std::shared_ptr<const RockShape> bridge_shape(const Bridge& bridge, const RockTe
 
 Box3d reach(const Bridge& b, double margin, double amplitude) {
   const double grown =
-      3.2 * std::max(b.width, b.depth) * (1 + (margin + amplitude) / std::min(b.width, b.depth));
+      look::thickest * std::max(b.width, b.depth) * (1 + (margin + amplitude) / std::min(b.width, b.depth));
   Box3d box;
-  const double beyond = 0.3 * length(b.to - b.from) + margin + amplitude;
+  const double beyond = look::beyond * length(b.to - b.from) + margin + amplitude;
   box.expand(b.from);
   box.expand(b.to);
   box = box.grown(grown + std::abs(b.wander));

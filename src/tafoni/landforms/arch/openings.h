@@ -19,20 +19,20 @@ struct Window {
 
   Vec3d along() const { return {-through.y, through.x, 0}; }
 };
-/// Positive in the opening.
+/// A function that is positive in the opening.
 std::shared_ptr<const RockShape> window_shape(const Window& window, const RockTexture& texture);
-/// Outside of it the opening's value is -T.
+/// A box outside of which the opening's value is -T.
 Box3d reach(const Window& window, double margin, double amplitude);
 
 /// A rising span of rock, thicker and broader at its ends, which reach into the rock on both sides.
 struct Bridge {
   Vec3d from, to;
-  double rise;    ///< of the middle above the straight line, metres
-  double width;   ///< half the breadth of the deck in the middle, metres
-  double depth;   ///< half the thickness there, metres
-  double wander;  ///< most that it strays from the straight line sideways, metres
+  double rise;    ///< metres that the middle lies above the straight line
+  double width;   ///< metres: half the breadth of the deck in the middle
+  double depth;   ///< metres: half the thickness there
+  double wander;  ///< metres that it strays from the straight line sideways, at most
 };
-/// Positive in the rock of the bridge.
+/// A function that is positive in the rock of the bridge.
 std::shared_ptr<const RockShape> bridge_shape(const Bridge& bridge, const RockTexture& texture);
 Box3d reach(const Bridge& bridge, double margin, double amplitude);
 

@@ -15,6 +15,7 @@
 #include "tafoni/landforms/site/surface.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms::landform_canyon {
 namespace {
@@ -24,20 +25,49 @@ using impl::Streams;
 
 enum class Stream : std::uint64_t { walls = 0xa0, unevenness = 0xa1, cuts = 0xa2, slots = 0xa3 };
 
-struct Params : impl::StreamSettings {
+/// Chosen by eye.
+namespace look {
+// Defaults. A river drains this share of the terrain, and this many strips one pixel wide as long as its
+// diagonal, for a plain slope sheds one.
+constexpr double catchment = 0.004, plain_slopes = 4;
+// The radius, metres or pixels of the terrain, whichever is more, and all else in radii.
+constexpr double radius = 2.5, radius_pixels = 1.2;
+constexpr double spacing = 0.6, flood = 0.8, banks = 4, height = 12, retreat = 5, slot_width = 2;
+
+// How a flood's stress falls off upwards, beside by the square: the share that is gone at the height's end.
+constexpr double upward = 0.5;
+// The normal's z below which ground turns from the bed to a wall, and over how much of it.
+constexpr double bed_level = 0.92, wall_rise = 0.35;
+// Share of the stress that a level ceiling is spared.
+constexpr double ceiling = 0.7;
+// Weak rivers count for more than their share of the greatest stream power: the root of it, and so much more.
+constexpr double boost = 1.15;
+// A flow that comes towards a wall with the sine 1 / `turning` counts as full against it.
+constexpr double turning = 2.5;
+
+// Unevenness: waves a radius, and its strength at roughness 1.
+constexpr double uneven_scale = 0.2, unevenness = 2.4;
+// Where rock is felt beside a place: so many radii along the wall and into it.
+constexpr double feel_aside = 1.6, feel_in = 0.8;
+
+// Rows of points: their step in radii, how they turn from level against the wall's normal, how much of the
+// depth the first point takes by itself, over how many radii the last ones weaken, and how sizes vary.
+constexpr double row_step = 0.5, row_normal = 0.35, row_first = 0.2, row_end = 0.7;
+constexpr double row_small = 0.9, row_large = 1.1;
+// What a point takes beyond the rock's value at it, in radii, so that rows open it for sure.
+constexpr double surplus = 0.4;
+}  // namespace look
+
+struct Params : impl::StreamSettings, impl::SlotSettings {
   double height = 0;
   double retreat = 0;
   double radius = 0;
   double spacing = 0;
   double undercut = 0.85;
   double bed = 0.08;
-  double beta = 0.2;
   double cutoff = 0.12;
   double roughness = 0.5;
-  double slot_depth = 0;
-  double slot_width = 0;
   std::int64_t slots = 1;
-  double winding = 0.6;
   Params() { threshold = 0.05, flood = 0, banks = 0; }
 };
 
@@ -88,20 +118,21 @@ const ParamTable<Params>& table() {
   return params;
 }
 
-/// Zeros replaced by what suits the terrain's pixels.
+/// The parameters with zeros replaced by what suits the terrain's pixels.
 Params with_defaults(Params p, const Ground& ground) {
   const auto& heights = *ground.site().heights;
   const auto pick = [](double& value, double otherwise) { value = value > 0 ? value : otherwise; };
   const double width = heights.placement.dx * heights.width(),
                height = heights.placement.dy * heights.height();
-  pick(p.catchment, std::max(0.004 * width * height, 4 * std::hypot(width, height) * ground.pixel()));
-  pick(p.radius, std::max(2.5, 1.2 * ground.pixel()));
-  pick(p.spacing, 0.6 * p.radius);
-  pick(p.flood, 0.8 * p.radius);
-  pick(p.banks, 4 * p.radius);
-  pick(p.height, 12 * p.radius);
-  pick(p.retreat, 5 * p.radius);
-  pick(p.slot_width, 2 * p.radius);
+  pick(p.catchment, std::max(look::catchment * width * height,
+                             look::plain_slopes * std::hypot(width, height) * ground.pixel()));
+  pick(p.radius, std::max(look::radius, look::radius_pixels * ground.pixel()));
+  pick(p.spacing, look::spacing * p.radius);
+  pick(p.flood, look::flood * p.radius);
+  pick(p.banks, look::banks * p.radius);
+  pick(p.height, look::height * p.radius);
+  pick(p.retreat, look::retreat * p.radius);
+  pick(p.slot_width, look::slot_width * p.radius);
   return p;
 }
 
@@ -131,16 +162,17 @@ class CanyonWalls {
     return normalized(Vec3d{to_double(normal).x, to_double(normal).y, 0});
   }
 
-  /// sigma: the flood's, falling off upwards, more where the river runs against the wall.
+  /// The stress sigma of the flood: it falls off upwards and is more where the river runs against the wall.
   double stress(const SurfaceSample& at) const {
     const Streams::Bank bank = streams_->at(at.position);
     if (!(bank.stress > 0)) return 0;
     const double above = (at.position.z - bank.bed) / p_.height;
     if (above >= 1) return 0;
-    const double low = above > 0 ? (1 - above * above) * (1 - 0.5 * above) : 1;
+    const double low = above > 0 ? (1 - above * above) * (1 - look::upward * above) : 1;
     const double nz = at.normal.z;
-    const double wall = smoothstep(0.0, 0.35, 0.92 - nz) * (nz < 0 ? 1 + 0.7 * nz : 1);
-    const double flood = std::min(1.0, 1.15 * std::sqrt(bank.stress)) * low;
+    const double wall =
+        smoothstep(0.0, look::wall_rise, look::bed_level - nz) * (nz < 0 ? 1 + look::ceiling * nz : 1);
+    const double flood = std::min(1.0, look::boost * std::sqrt(bank.stress)) * low;
     // The effect is never above the stress, so that what cannot reach the cutoff need not be looked at
     // closer.
     if (flood * (p_.bed + (1 - p_.bed) * wall) < p_.cutoff) return 0;
@@ -155,23 +187,23 @@ class CanyonWalls {
     const Vec2d flow = before.stress > 0 ? before.flow : bank.flow;
     const Vec3d wall = horizontal(at.normal);
     const double into = -(flow.x * wall.x + flow.y * wall.y);
-    return 1 - p_.undercut * (0.5 - 0.5 * std::clamp(2.5 * into, -1.0, 1.0));
+    return 1 - p_.undercut * (0.5 - 0.5 * std::clamp(look::turning * into, -1.0, 1.0));
   }
 
-  /// A factor, smooth over several primitives, or neighbours would bore holes of their own instead of one
-  /// notch.
+  /// A factor for each place. It is smooth over several primitives, or neighbours would bore holes of their
+  /// own instead of one notch.
   std::vector<float> unevenness(const std::vector<SurfaceSample>& places) const {
     std::vector<Vec3d> scaled(places.size());
     for (std::size_t i = 0; i < places.size(); ++i)
-      scaled[i] = (places[i].position + ground_.site().origin) * (0.2 / p_.radius);
+      scaled[i] = (places[i].position + ground_.site().origin) * (look::uneven_scale / p_.radius);
     std::vector<float> out(places.size());
     fbm(scaled, 2, hash_combine(ground_.site().seed, Stream::unevenness), out);
-    const auto strength = static_cast<float>(2.4 * p_.roughness);
+    const auto strength = static_cast<float>(look::unevenness * p_.roughness);
     for (float& t : out) t = std::max(0.0f, 1 + strength * (t - 0.5f));
     return out;
   }
 
-  /// rho, averaged along the bed for the same reason.
+  /// The resistance rho of each place, averaged along the bed for the same reason.
   std::vector<float> resistances(const std::vector<SurfaceSample>& places) const {
     std::vector<float> out(places.size(), 0.5f);
     if (!ground_.site().geology) return out;
@@ -179,7 +211,8 @@ class CanyonWalls {
     points.reserve(3 * places.size());
     for (const SurfaceSample& at : places) {
       const Vec3d wall = horizontal(at.normal);
-      const Vec3d aside = Vec3d{-wall.y, wall.x, 0} * (1.6 * p_.radius), in = wall * (-0.8 * p_.radius);
+      const Vec3d aside = Vec3d{-wall.y, wall.x, 0} * (look::feel_aside * p_.radius),
+                  in = wall * (-look::feel_in * p_.radius);
       points.insert(points.end(), {at.position, at.position + in + aside, at.position + in - aside});
     }
     std::vector<float> rho(points.size());
@@ -224,17 +257,19 @@ class CanyonWalls {
   std::vector<Cut> cuts() {
     std::vector<Cut> out;
     Random random(ground_.site().seed, Stream::cuts);
-    const double step = 0.5 * p_.radius;
+    const double step = look::row_step * p_.radius;
     for (const Attack& a : attacks()) {
       strongest_ = std::max(strongest_, a.effect);
-      const Vec3d inward = normalized(horizontal(a.at.normal) * -1.0 - to_double(a.at.normal) * 0.35);
+      const Vec3d inward =
+          normalized(horizontal(a.at.normal) * -1.0 - to_double(a.at.normal) * look::row_normal);
       const double depth = p_.retreat * a.effect;
-      const int row = 1 + static_cast<int>(std::max(0.0, depth - 0.2 * p_.radius) / step);
+      const int row = 1 + floor_to(std::max(0.0, depth - look::row_first * p_.radius) / step);
       for (int k = 0; k < row; ++k) {
         const Vec3d center = a.at.position + inward * (k * step);
         if (!ground_.usable(center)) break;
-        out.push_back({center, center + inward * step, p_.radius * random.uniform(0.9, 1.1),
-                       std::clamp((depth - k * step) / (0.7 * p_.radius), 0.0, 1.0)});
+        out.push_back({center, center + inward * step,
+                       p_.radius * random.uniform(look::row_small, look::row_large),
+                       std::clamp((depth - k * step) / (look::row_end * p_.radius), 0.0, 1.0)});
       }
     }
     return out;
@@ -248,9 +283,8 @@ class CanyonWalls {
     for (const Cut& cut : all) probes.insert(probes.end(), {cut.center, cut.behind});
     std::vector<float> rock(probes.size());
     field::compile(ground_.site().terrain).values(probes, rock);
-    // Dart throwing leaves about 0.7 samples a spacing squared; a point integrates to E pi R^2 / 4 over a
-    // plane, and rows add to one another.
-    const double together = std::max(1.0, 0.7 * 0.785 * (p_.radius / p_.spacing) * (p_.radius / p_.spacing));
+    // Points of one wall's rows add to one another.
+    const double together = overlap_of_darts(p_.radius, p_.spacing);
     field::CloudBuilder cloud{field::CloudSettings{}};
     for (std::size_t i = 0; i < all.size(); ++i)
       add_point(cloud, all[i].center, all[i].radius,
@@ -260,14 +294,14 @@ class CanyonWalls {
   }
 
   double energy(const Cut& cut, float here, float behind) const {
-    const double most = std::max({0.0, static_cast<double>(here), static_cast<double>(behind)});
-    return cut.share * (most + 0.4 * p_.radius);
+    const double most = std::max({0.0, double{here}, double{behind}});
+    return cut.share * (most + look::surplus * p_.radius);
   }
 
   field::NodePtr slots() {
     field::CloudBuilder cloud{field::CloudSettings{}};
-    impl::SlotSettings settings{p_.slot_depth, p_.slot_width, p_.winding, p_.beta,
-                                hash_combine(ground_.site().seed, Stream::slots)};
+    impl::SlotSettings settings = p_;
+    settings.seed = hash_combine(ground_.site().seed, Stream::slots);
     for (const Streams::Course& course : streams_->courses(p_.slots))
       slot_length_ += carve_slot(cloud, ground_, course, settings);
     primitives_ += cloud.size();

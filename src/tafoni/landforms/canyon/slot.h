@@ -12,10 +12,10 @@
 namespace tafoni::landforms::impl {
 
 struct SlotSettings {
-  double depth = 25;     ///< below the bed, metres
-  double width = 4;      ///< metres
-  double winding = 0.6;  ///< how far walls lean over, as a share of what the width allows
-  double beta = 0.2;     ///< how much the hardest rock gives way
+  double slot_depth = 0;  ///< below the bed, metres
+  double slot_width = 0;  ///< metres
+  double winding = 0.6;   ///< how far walls lean over, as a share of what the width allows
+  double beta = 0.2;      ///< how much the hardest rock gives way
   std::uint64_t seed = 0;
 };
 

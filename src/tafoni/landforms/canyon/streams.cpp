@@ -1,3 +1,7 @@
+// Rivers: cells of great stream power over the filled terrain. Floods spread from them over lower flats, and
+// three box means carry their stress, the bed's elevation and the flow's direction into the banks. Courses
+// are traced upstream from where the most water leaves.
+
 #include "tafoni/landforms/canyon/streams.h"
 
 #include <algorithm>
@@ -6,13 +10,38 @@
 #include <limits>
 
 #include "tafoni/core/parallel.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/terrain/analysis.h"
 
 namespace tafoni::landforms::impl {
 namespace {
 
 constexpr int tile = 8;
-constexpr double least_slope = 0.02, greatest_slope = 0.35;
+
+/// Chosen by eye.
+namespace look {
+// A sheer face outdoes any river by its slope, so that slopes are kept within these, and averaged over so
+// many cells to each side.
+constexpr float least_slope = 0.02f, greatest_slope = 0.35f;
+constexpr int slope_mean = 2;
+// Water spreads by this power of the slope among lower neighbours [Freeman91].
+constexpr double freeman = 1.1;
+// So many of the outermost cells are no river: along the map's edge runs water that ought to leave the map.
+constexpr int rim = 3;
+// Floods cover flats as far as so many times the banks; three means over a third of the banks each reach as
+// far as the banks in all.
+constexpr double covered = 3;
+constexpr int means = 3;
+// Courses of fewer cells are too short to count.
+constexpr std::size_t least_course = 8;
+}  // namespace look
+
+struct Pixel {
+  int col, row;
+};
+Pixel pixel_of(std::ptrdiff_t cell, int width) {
+  return {static_cast<int>(cell % width), static_cast<int>(cell / width)};
+}
 
 /// A box mean of `radius` cells along rows, then columns, over several channels at once; cells beyond the rim
 /// count as 0.
@@ -22,11 +51,11 @@ void blur(raster::Grid<std::array<float, n>>& grid, int radius) {
   const float scale = 1 / static_cast<float>(2 * radius + 1);
   const auto line = [&](Cell* data, int count, std::ptrdiff_t stride, std::vector<Cell>& copy) {
     for (int i = 0; i < count; ++i) copy[i] = data[i * stride];
-    // In double: what is added and taken off again must leave exactly nothing behind.
+    // Sums are double, as what is added and taken off again must leave exactly nothing behind.
     std::array<double, n> sum{};
     const auto add = [&](int i, double sign) {
       if (i < 0 || i >= count) return;
-      for (std::size_t k = 0; k < n; ++k) sum[k] += sign * static_cast<double>(copy[i][k]);
+      for (std::size_t k = 0; k < n; ++k) sum[k] += sign * copy[i][k];
     };
     for (int i = 0; i < radius; ++i) add(i, 1);
     for (int i = 0; i < count; ++i) {
@@ -55,42 +84,43 @@ Streams::Streams(const Ground& ground, const StreamSettings& settings, Progress&
     for (std::size_t i = 0; i < filled_.values.size(); ++i)
       if (!ground.site().valid->data()[i]) filled_.values.data()[i] = raster::no_data;
   filled_.values = terrain::fill_depressions(filled_, {}, progress);
-  area_ = terrain::drainage_area(filled_, 1.1, progress);
+  area_ = terrain::drainage_area(filled_, look::freeman, progress);
   stress_ = power(progress);
   spread();
 }
 
-/// Whether a cell is one of the outermost three, along which water runs that ought to leave the map.
+/// Whether a cell is one of the outermost, along which water runs that ought to leave the map.
 bool Streams::rim(int col, int row) const {
-  for (int dr = -3; dr <= 3; ++dr)
-    for (int dc = -3; dc <= 3; ++dc)
+  for (int dr = -look::rim; dr <= look::rim; ++dr)
+    for (int dc = -look::rim; dc <= look::rim; ++dc)
       if (!filled_.values.inside(col + dc, row + dr) || std::isnan(filled_.values.at(col + dc, row + dr)))
         return true;
   return false;
 }
 
-/// Stream power in the river's bed as a share of the greatest, 0 elsewhere.
+/// The stream power in the river's bed as a share of the greatest; 0 elsewhere.
 raster::Grid<float> Streams::power(Progress& progress) {
   raster::Grid<float> slope = terrain::slope(filled_, progress);
   for (float& s : slope.values())
-    s = std::isnan(s) ? 0
-                      : std::clamp(s, static_cast<float>(least_slope), static_cast<float>(greatest_slope));
+    s = std::isnan(s) ? 0 : std::clamp(s, look::least_slope, look::greatest_slope);
   raster::Grid<std::array<float, 1>> mean(slope.width(), slope.height());
   for (std::size_t i = 0; i < slope.size(); ++i) mean.data()[i] = {slope.data()[i]};
-  blur(mean, 2);
+  blur(mean, look::slope_mean);
   for (std::size_t i = 0; i < slope.size(); ++i) slope.data()[i] = mean.data()[i][0];
   raster::Grid<float> power = terrain::stream_power(area_, slope);
+  const auto catchment = static_cast<float>(settings_.catchment),
+             threshold = static_cast<float>(settings_.threshold);
   float greatest = 0;
   for (int row = 0; row < power.height(); ++row)
     for (int col = 0; col < power.width(); ++col) {
       const float area = area_.at(col, row);
       float& p = power.at(col, row);
-      if (!(area >= static_cast<float>(settings_.catchment)) || rim(col, row)) p = 0;
+      if (!(area >= catchment) || rim(col, row)) p = 0;
       greatest = std::max(greatest, p);
     }
   for (float& p : power.values()) {
     p = greatest > 0 ? p / greatest : 0;
-    if (p < static_cast<float>(settings_.threshold)) p = 0;
+    if (p < threshold) p = 0;
     cells_ += p > 0;
   }
   return power;
@@ -100,32 +130,33 @@ raster::Grid<float> Streams::power(Progress& progress) {
 /// spread from the river's cells in the order of their distance.
 void Streams::flood(raster::Grid<float>& stress, raster::Grid<float>& level) const {
   const int width = stress.width();
-  const auto steps = static_cast<int>(std::lround(3 * settings_.banks / ground_.pixel()));
-  std::vector<std::uint32_t> wet, next;
-  for (std::size_t i = 0; i < stress.size(); ++i) {
+  const int steps = round_to(look::covered * settings_.banks / ground_.pixel());
+  const auto rise = static_cast<float>(settings_.flood);
+  std::vector<std::ptrdiff_t> wet, next;
+  for (std::ptrdiff_t i = 0; i < std::ssize(stress); ++i) {
     level.data()[i] = filled_.values.data()[i];
-    if (stress.data()[i] > 0) wet.push_back(static_cast<std::uint32_t>(i));
+    if (stress.data()[i] > 0) wet.push_back(i);
   }
   for (int step = 0; step < steps && !wet.empty(); ++step) {
     next.clear();
-    for (const std::uint32_t cell : wet) {
-      const int col = static_cast<int>(cell) % width, row = static_cast<int>(cell) / width;
-      const float top = level.data()[cell] + static_cast<float>(settings_.flood);
+    for (const std::ptrdiff_t cell : wet) {
+      const auto [col, row] = pixel_of(cell, width);
+      const float top = level.data()[cell] + rise;
       for (const auto& [dc, dr] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
         if (!stress.inside(col + dc, row + dr)) continue;
-        const std::size_t other = stress.index(col + dc, row + dr);
+        const std::ptrdiff_t other = stress.index(col + dc, row + dr);
         if (stress.data()[other] > 0 || !(filled_.values.data()[other] < top)) continue;
         stress.data()[other] = stress.data()[cell];
         level.data()[other] = level.data()[cell];
-        next.push_back(static_cast<std::uint32_t>(other));
+        next.push_back(other);
       }
     }
     wet.swap(next);
   }
 }
 
-/// Three box means of the covered ground, its stress, the bed's elevation and its flow: there the local mean,
-/// less and less towards the end of the floods' reach.
+/// Three box means of the covered ground, its stress, the bed's elevation and its flow. What banks feel is
+/// their local mean, less and less towards the end of the floods' reach.
 void Streams::spread() {
   const int width = stress_.width(), height = stress_.height();
   reach_ = raster::Grid<Reach>(width, height);
@@ -142,17 +173,17 @@ void Streams::spread() {
       if (!(s > 0)) continue;
       Sums& sum = sums.at(col, row);
       sum = {1, s, level.at(col, row), 0, 0};
-      const auto cell = static_cast<std::ptrdiff_t>(stress.index(col, row));
+      const std::ptrdiff_t cell = stress.index(col, row);
       const std::ptrdiff_t next = stress_.data()[cell] > 0 ? receiver(cell) : -1;
       if (next < 0) continue;
-      const auto east = static_cast<float>(next % width - col),
-                 north = static_cast<float>(row - next / width);
+      const Pixel to = pixel_of(next, width);
+      const auto east = static_cast<float>(to.col - col), north = static_cast<float>(row - to.row);
       const float norm = std::sqrt(east * east + north * north);
       sum[3] = east / norm;
       sum[4] = north / norm;
     }
-  const int radius = std::max(1, static_cast<int>(std::lround(settings_.banks / (3 * ground_.pixel()))));
-  for (int i = 0; i < 3; ++i) blur(sums, radius);
+  const int radius = std::max(1, round_to(settings_.banks / (look::means * ground_.pixel())));
+  for (int i = 0; i < look::means; ++i) blur(sums, radius);
   // A bed one cell wide covers about this much at its middle.
   const float middle = 0.5f / static_cast<float>(2 * radius + 1);
   for (int row = 0; row < height; ++row)
@@ -171,8 +202,8 @@ void Streams::spread() {
 
 Streams::Bank Streams::at(Vec3d p) const {
   const Vec2d at = filled_.placement.pixel(p.x, p.y);
-  const Reach& r = reach_.at(static_cast<int>(std::clamp(at.x + 0.5, 0.0, reach_.width() - 1.0)),
-                             static_cast<int>(std::clamp(at.y + 0.5, 0.0, reach_.height() - 1.0)));
+  const Reach& r = reach_.at(floor_to(std::clamp(at.x + 0.5, 0.0, reach_.width() - 1.0)),
+                             floor_to(std::clamp(at.y + 0.5, 0.0, reach_.height() - 1.0)));
   return {r.stress, r.bed, {r.flow_x, r.flow_y}};
 }
 
@@ -181,7 +212,7 @@ bool Streams::near(Vec3d p, double around, double height) const {
   const Vec2d a = filled_.placement.pixel(p.x - around, p.y + around);
   const Vec2d b = filled_.placement.pixel(p.x + around, p.y - around);
   const auto index = [](double v, int count) {
-    return static_cast<int>(std::clamp(std::floor((v + 0.5) / tile), 0.0, count - 1.0));
+    return floor_to(std::clamp((v + 0.5) / tile, 0.0, count - 1.0));
   };
   for (int row = index(a.y, tiles_.height()); row <= index(b.y, tiles_.height()); ++row)
     for (int col = index(a.x, tiles_.width()); col <= index(b.x, tiles_.width()); ++col)
@@ -189,10 +220,9 @@ bool Streams::near(Vec3d p, double around, double height) const {
   return false;
 }
 
-/// The neighbour of steepest descent; -1 where water leaves the map.
+/// The neighbour to which the ground falls most steeply; -1 where water leaves the map.
 std::ptrdiff_t Streams::receiver(std::ptrdiff_t cell) const {
-  const int width = filled_.width(), col = static_cast<int>(cell % width),
-            row = static_cast<int>(cell / width);
+  const auto [col, row] = pixel_of(cell, filled_.width());
   const float h = filled_.values.data()[cell];
   std::ptrdiff_t best = -1;
   float steepest = 0;
@@ -202,17 +232,17 @@ std::ptrdiff_t Streams::receiver(std::ptrdiff_t cell) const {
       const float drop = (h - filled_.values.at(col + dc, row + dr)) / (dr != 0 && dc != 0 ? 1.4142f : 1.0f);
       if (!(drop > steepest)) continue;
       steepest = drop;
-      best = static_cast<std::ptrdiff_t>(filled_.values.index(col + dc, row + dr));
+      best = filled_.values.index(col + dc, row + dr);
     }
   return best;
 }
 
-/// Upstream along the greatest area, marking the cells on and beside the course as taken.
+/// Follows the greatest area upstream and marks the cells on and beside the course as taken.
 Streams::Course Streams::trace(std::ptrdiff_t mouth, std::vector<bool>& taken) const {
   Course course;
-  const int width = filled_.width();
+  const auto catchment = static_cast<float>(settings_.catchment);
   for (std::ptrdiff_t cell = mouth; cell >= 0;) {
-    const int col = static_cast<int>(cell % width), row = static_cast<int>(cell / width);
+    const auto [col, row] = pixel_of(cell, filled_.width());
     const Vec2d at = filled_.placement.center(col, row);
     course.line.push_back({at.x, at.y, filled_.values.data()[cell]});
     course.stress.push_back(stress_.data()[cell]);
@@ -220,9 +250,9 @@ Streams::Course Streams::trace(std::ptrdiff_t mouth, std::vector<bool>& taken) c
     for (int dr = -1; dr <= 1; ++dr)
       for (int dc = -1; dc <= 1; ++dc) {
         if (!filled_.values.inside(col + dc, row + dr)) continue;
-        const auto other = static_cast<std::ptrdiff_t>(filled_.values.index(col + dc, row + dr));
+        const std::ptrdiff_t other = filled_.values.index(col + dc, row + dr);
         if (other == cell || taken[other] || !(filled_.values.data()[other] > filled_.values.data()[cell]) ||
-            !(area_.data()[other] >= static_cast<float>(settings_.catchment)))
+            !(area_.data()[other] >= catchment))
           continue;
         if (next < 0 || area_.data()[other] > area_.data()[next]) next = other;
       }
@@ -230,10 +260,10 @@ Streams::Course Streams::trace(std::ptrdiff_t mouth, std::vector<bool>& taken) c
     cell = next;
   }
   // The rest of a broad bed is no course of its own.
-  const int beside = static_cast<int>(std::lround(settings_.banks / ground_.pixel()));
+  const int beside = round_to(settings_.banks / ground_.pixel());
   for (const Vec3d& p : course.line) {
     const Vec2d at = filled_.placement.pixel(p.x, p.y);
-    const int col = static_cast<int>(std::lround(at.x)), row = static_cast<int>(std::lround(at.y));
+    const int col = round_to(at.x), row = round_to(at.y);
     for (int dr = -beside; dr <= beside; ++dr)
       for (int dc = -beside; dc <= beside; ++dc)
         if (dr * dr + dc * dc <= beside * beside && filled_.values.inside(col + dc, row + dr))
@@ -248,21 +278,22 @@ std::vector<Streams::Course> Streams::courses(std::size_t count) const {
   const int width = area_.width();
   // Courses too short to count are passed over, but not for ever.
   for (std::size_t tries = 0; out.size() < count && tries < 4 * count + 16; ++tries) {
-    // Where the most water leaves the river bed's cells for the map's rim or for a course already there.
+    // A course's mouth is where the most water leaves the river bed's cells for the map's rim or for a course
+    // already there.
     std::ptrdiff_t mouth = -1;
     for (std::ptrdiff_t i = 0; i < std::ssize(area_); ++i) {
       if (taken[i] || !(stress_.data()[i] > 0)) continue;
       if (mouth >= 0 && area_.data()[i] <= area_.data()[mouth]) continue;
-      const Vec2d at =
-          filled_.placement.center(static_cast<double>(i % width), static_cast<double>(i / width));
+      const Pixel pixel = pixel_of(i, width);
+      const Vec2d at = filled_.placement.center(pixel.col, pixel.row);
       if (!ground_.usable({at.x, at.y, filled_.values.data()[i]})) continue;
       mouth = i;
     }
     if (mouth < 0) break;
-    // Where a bed is broad the most water may run in one cell far upstream; down from there to the rim.
+    // Where a bed is broad the most water may run in one cell far upstream: the mouth is down from there.
     for (std::ptrdiff_t next = mouth; next >= 0 && !taken[next]; next = receiver(next)) mouth = next;
     Course course = trace(mouth, taken);
-    if (course.line.size() >= 8) out.push_back(std::move(course));
+    if (course.line.size() >= look::least_course) out.push_back(std::move(course));
   }
   return out;
 }

@@ -1,5 +1,6 @@
 #pragma once
-// Rivers of a terrain and what they do to their banks [Paris19 §6.1].
+// Rivers of a terrain and what they do to their banks [Paris19 §6.1]: found once, by stream power, as rasters
+// of the floods' stress, the bed's elevation and the flow, which any place is looked up in.
 
 #include <vector>
 
@@ -12,17 +13,18 @@ struct StreamSettings {
   double threshold = 0.12;  ///< share of the terrain's greatest stream power from which water is a river
   double catchment = 0;     ///< m^2 that a river drains at least
   double flood = 1.5;       ///< metres that floods rise above the bed
-  double banks = 12;  ///< metres that they act beyond what they cover, and a third of what they cover at most
+  /// Metres that they act beyond what they cover, and a third of what they cover at most.
+  double banks = 12;
 };
 
-/// sigma = A^(1/2) s over the filled terrain, with the A of [Freeman91]. As a sheer face outdoes any river by
-/// its slope, s is averaged over a few pixels and kept within [0.02, 0.35]; and as water on a plain slope is
-/// no river however long the slope, a river needs a catchment too.
+/// Stream power is sigma = A^(1/2) s over the filled terrain, with the A of [Freeman91]. As a sheer face
+/// outdoes any river by its slope, s is averaged over a few pixels and kept within [0.02, 0.35]; and as water
+/// on a plain slope is no river however long the slope, a river needs a catchment too.
 class Streams {
  public:
   Streams(const Ground& ground, const StreamSettings& settings, Progress& progress);
 
-  /// Cells of the river bed.
+  /// How many cells the river bed has.
   std::size_t cells() const { return cells_; }
 
   struct Bank {

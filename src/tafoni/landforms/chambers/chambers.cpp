@@ -15,6 +15,18 @@ namespace {
 
 using impl::Ground;
 
+/// Chosen by eye.
+namespace look {
+// Samples of a cell of a chamber's lattice.
+constexpr double samples_a_cell = 6;
+// How high the middle of a chamber's floor lies in it, in cells.
+constexpr double floor_height = 0.5;
+// The ground over a chamber is asked for its height at so many places to each side of the middle.
+constexpr int ground_places = 4;
+// Metres: what the unevenness of walls goes by, as it goes by the radius of a tunnel.
+constexpr double radius = 2.5;
+}  // namespace look
+
 struct Params : impl::HollowParams {
   std::string kind = "queen";
   double cell = 0;
@@ -70,19 +82,20 @@ volume::Chamber chamber_of(const Ground& ground, const Params& p, const Row& row
   s.cell = impl::number_in(row, "cell").value_or(p.cell > 0 ? p.cell : preset.cell);
   s.noise = impl::number_in(row, "noise").value_or(p.noise);
   s.turn = impl::number_in(row, "turn").value_or(0) * degree;
-  s.spacing = p.spacing > 0 ? p.spacing : s.cell / 6;
+  s.spacing = p.spacing > 0 ? p.spacing : s.cell / look::samples_a_cell;
   s.seed = seed;
   if (!impl::text_in(row, "at").empty()) {
     s.position = impl::point_in(row, "at", where) - ground.site().origin;
-    s.position.z -= 0.5 * s.cell;
+    s.position.z -= look::floor_height * s.cell;
     return volume::Chamber(lattice, s);
   }
   const Vec3d middle = ground.box().center();
   const double half = 0.5 * s.cell * std::hypot(lattice.cells.x, lattice.cells.y);
   double low = 1e30;
-  for (int j = -4; j <= 4; ++j)
-    for (int i = -4; i <= 4; ++i)
-      low = std::min(low, ground.height(middle.x + i * half / 4, middle.y + j * half / 4));
+  constexpr int n = look::ground_places;
+  for (int j = -n; j <= n; ++j)
+    for (int i = -n; i <= n; ++i)
+      low = std::min(low, ground.height(middle.x + i * half / n, middle.y + j * half / n));
   s.position = {middle.x, middle.y, low - p.cover - s.cell * lattice.cells.z};
   return volume::Chamber(lattice, s);
 }
@@ -93,7 +106,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   progress.check();
   const Ground ground(site);
   const Rows rows = p.chamber.empty() ? Rows{{}} : p.chamber;
-  impl::Hollow hollow(ground, p, 2.5);
+  impl::Hollow hollow(ground, p, look::radius);
   std::vector<Vec3d> places;
   std::vector<double> sizes;
   std::uint64_t index = 0;
@@ -108,7 +121,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
       continue;
     }
     const Vec3d size = chamber.size();
-    places.push_back(chamber.settings().position + Vec3d{0, 0, 0.5 * chamber.settings().cell});
+    places.push_back(chamber.settings().position + Vec3d{0, 0, look::floor_height * chamber.settings().cell});
     sizes.insert(sizes.end(), {size.x, size.y, size.z});
     hollow.add(chamber);
   }

@@ -15,7 +15,33 @@ namespace {
 
 using impl::Ground;
 
+/// Craters' own noise has the numbers from 0 on.
 enum class Stream : std::uint64_t { sizes = 0xb1a5, places = 2 };
+
+/// Chosen by eye; lengths are in radii of a crater where nothing else is said.
+namespace look {
+// Values change as far as this: a point whose falloff is steep at the crater's wall, and gentle beyond.
+constexpr double reach = 1.6;
+// Random places are so far apart, at most so many across the terrain, and so far off its border, for a rim.
+constexpr double apart = 2, places_across = 80, border = 2.2;
+// The size of the wall's unevenness, and its octaves.
+constexpr double uneven_size = 0.9;
+constexpr int uneven_octaves = 3;
+// A blast is at the surface, and throws out a rim, where the field is less than this, or than this share of
+// what the field is clamped to.
+constexpr double surface = 0.7, surface_clamped = 0.95;
+// The rim's heaps: how many, how far they stray from even angles (in shares of one), how far out they lie,
+// their heights as shares of the rim's, and their radii.
+constexpr int heaps = 26;
+constexpr double heap_stray = 0.4, heap_near = 1.0, heap_far = 1.45, heap_low = 0.25, heap_high = 1;
+constexpr double heap_small = 0.25, heap_large = 0.5;
+// Heights change round the crater about this mean, by this share, from a direction that depends on the
+// radius.
+constexpr double side_mean = 0.75, side = 0.25, side_turn = 9;
+// The ground under a heap is looked for from so high above the blast, in so many steps downwards.
+constexpr double above = 1.2, down = 0.08;
+constexpr int down_steps = 40;
+}  // namespace look
 
 struct Params {
   std::int64_t count = 4;
@@ -81,17 +107,19 @@ class Craters {
     if (p_.count == 0) return out;
     SurfaceSampling sampling;
     const Vec3d extent = ground_.box().size();
-    sampling.spacing = std::max(2 * p_.radius, std::max(extent.x, extent.y) / 80);
+    sampling.spacing = std::max(look::apart * p_.radius, std::max(extent.x, extent.y) / look::places_across);
     sampling.box = ground_.box();
     sampling.seed = hash_combine(ground_.site().seed, Stream::places);
-    sampling.accept = [&](const SurfaceSample& s) { return ground_.usable(s.position, 2.2 * p_.radius); };
+    sampling.accept = [&](const SurfaceSample& s) {
+      return ground_.usable(s.position, look::border * p_.radius);
+    };
     std::int64_t left = p_.count;
     const auto places = sample_surface(field_, sampling, progress);
     if (places.empty())
       progress.warn(fmt::format(
           "explosions finds no place for a crater of {:g} m: each must lie {:g} m off the terrain's border; "
           "give a smaller radius",
-          p_.radius, 2.2 * p_.radius));
+          p_.radius, look::border * p_.radius));
     for (const SurfaceSample& s : places) {
       if (left-- == 0) break;
       const double r = radius();
@@ -100,17 +128,19 @@ class Craters {
     return out;
   }
 
-  /// What was there is gone within the radius; values change as far as 1.6 radii.
+  /// What was there is gone within the radius of each blast; values change as far as the reach.
   std::vector<field::NodePtr> nodes(const std::vector<Blast>& blasts) {
     std::vector<field::NodePtr> out;
     for (std::size_t i = 0; i < blasts.size(); ++i) {
       const Blast& b = blasts[i];
       const double r = b.radius, t = ground_.site().amplitude;
       field::CloudSettings settings;
-      settings.noise = {p_.roughness * r, 0.9 * r, 3, hash_combine(ground_.site().seed, i)};
+      settings.noise = {p_.roughness * r, look::uneven_size * r, look::uneven_octaves,
+                        hash_combine(ground_.site().seed, i)};
       field::CloudBuilder hole(settings);
-      // The falloff at r over 1.6 r takes what rock has at the crater's bottom.
-      field::add_point(hole, b.at, reach * r, -std::min(r, t) / std::pow(1 - 1 / (reach * reach), 3));
+      // The falloff at r over the reach takes what rock has at the crater's bottom.
+      field::add_point(hole, b.at, look::reach * r,
+                       -std::min(r, t) / std::pow(1 - 1 / (look::reach * look::reach), 3));
       if (b.thrown && p_.rim > 0) {
         field::CloudBuilder thrown(field::CloudSettings{});
         throw_out(thrown, b);
@@ -122,33 +152,30 @@ class Craters {
   }
 
  private:
-  static constexpr double reach = 1.6;
-
   double radius() { return p_.radius * (1 + p_.variation * random_.uniform(-1, 1)); }
 
   bool add(std::vector<Blast>& out, Vec3d at, double r) const {
     if (!ground_.usable(at)) return false;
-    const float f = field_.value(at);
+    const double f = field_.value(at);
     out.push_back(
-        {at, r, std::abs(static_cast<double>(f)) < std::min(0.7 * r, 0.95 * ground_.site().amplitude)});
+        {at, r, std::abs(f) < std::min(look::surface * r, look::surface_clamped * ground_.site().amplitude)});
     return true;
   }
 
   /// Heaps on the ground around the crater, higher to some sides.
   void throw_out(field::CloudBuilder& cloud, const Blast& b) {
     const double r = b.radius;
-    constexpr int heaps = 26;
-    for (int i = 0; i < heaps; ++i) {
-      const double a = 6.283185307 * (i + random_.uniform(-0.4, 0.4)) / heaps,
-                   far = r * random_.uniform(1.0, 1.45);
-      const double height =
-          p_.rim * r * random_.uniform(0.25, 1) * (0.75 + 0.25 * std::sin(a + 9 * b.radius));
-      Vec3d p = b.at + Vec3d{far * std::cos(a), far * std::sin(a), 1.2 * r};
-      // Down to the ground, if it is near.
+    for (int i = 0; i < look::heaps; ++i) {
+      const double a = 6.283185307 * (i + random_.uniform(-look::heap_stray, look::heap_stray)) / look::heaps,
+                   far = r * random_.uniform(look::heap_near, look::heap_far);
+      const double height = p_.rim * r * random_.uniform(look::heap_low, look::heap_high) *
+                            (look::side_mean + look::side * std::sin(a + look::side_turn * b.radius));
+      Vec3d p = b.at + Vec3d{far * std::cos(a), far * std::sin(a), look::above * r};
+      // A heap lies on the ground, if that is near.
       int steps = 0;
-      while (field_.value(p) < 0 && steps < 40) p.z -= 0.08 * r, ++steps;
-      if (steps == 0 || steps == 40 || !ground_.usable(p)) continue;
-      field::add_point(cloud, p, r * random_.uniform(0.25, 0.5), height);
+      while (field_.value(p) < 0 && steps < look::down_steps) p.z -= look::down * r, ++steps;
+      if (steps == 0 || steps == look::down_steps || !ground_.usable(p)) continue;
+      field::add_point(cloud, p, r * random_.uniform(look::heap_small, look::heap_large), height);
     }
   }
 
@@ -166,7 +193,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   Result result;
   std::vector<Vec3d> places;
   std::vector<double> radii;
-  std::uint64_t primitives = 0;
+  std::int64_t primitives = 0;
   if (!ground.box().empty()) {
     Craters craters(ground, p);
     const std::vector<Blast> blasts = craters.blasts(progress);
@@ -180,7 +207,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   result.facts.count("explosions", std::ssize(radii))
       .places("positions", places)
       .lengths("radii", radii)
-      .count("primitives", static_cast<std::int64_t>(primitives));
+      .count("primitives", primitives);
   return result;
 }
 

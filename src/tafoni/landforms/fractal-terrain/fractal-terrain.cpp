@@ -1,4 +1,5 @@
-// The whole terrain, or a region of it, as a volume by 3D midpoint subdivision [Ju01 §2].
+// The whole terrain, or a region of it, as a volume by 3D midpoint subdivision [Ju01 §2]. Here are its
+// parameters and the pins that the user gives; rock/fractal_ground makes the volume.
 
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/rock/fractal_ground.h"

@@ -24,6 +24,37 @@ using impl::WayEnd;
 
 enum class Stream : std::uint64_t { rooms = 0x417e, ground = 1 };
 
+/// Chosen by eye; lengths are in radii of the tunnels where nothing else is said.
+namespace look {
+// Rooms lie about the height of this share of the hillsides' mouths, from below: so ways are short and level.
+constexpr int low_mouths = 2, of_mouths = 5;
+// The shorter side of the area is so many rooms long at least; if there is no place for a room, it is tried
+// smaller.
+constexpr double rooms_across = 2.5, shrinks[] = {1.0, 0.75, 0.55};
+// Samples of a cell of a room's lattice, at least.
+constexpr double samples_a_cell = 4;
+// Places tried for a room; the chance in a place's merit, and what a metre of height off the wanted floor
+// takes from it.
+constexpr int places = 500;
+constexpr double chance = 6, height_loss = 0.7;
+// Between rooms, for the tunnels to turn in; and metres of rock under a room.
+constexpr double between_rooms = 6, under_room = 2;
+// A door, in cells of the room: how far inside its outline and how high its floor lies. A way leads straight
+// out of the room and so much farther.
+constexpr double door_inset = 1.4, door_height = 0.55, door_straight = 2.5;
+// Metres from step to step when the floor of a room is looked for.
+constexpr double floor_step = 0.1;
+// How many pairs of doors, and how many doors for a mouth, are tried, the nearest first.
+constexpr std::ptrdiff_t door_pairs = 9, mouth_doors = 6;
+// Mouths are first sought this share of the area apart, then nearer and nearer, down to so many radii.
+constexpr double mouths_apart = 0.35, nearer = 0.6, least_apart = 4;
+constexpr int mouth_tries = 600;
+// A tunnel from a mouth where there is no room.
+constexpr double lone_tunnel = 16;
+// The rough ground: metres of its largest forms, or this share of the area; its samples.
+constexpr double coarse = 40, coarse_share = 0.25, ground_spacing = 0.3;
+}  // namespace look
+
 struct Params : impl::HollowParams, impl::TunnelParams {
   double size = 220;
   double noise = 0.25;
@@ -65,7 +96,7 @@ const ParamTable<Params>& table() {
   return params;
 }
 
-/// A chamber with its four doors.
+/// A chamber that the hive has, with its four doors.
 struct Room {
   volume::Chamber chamber;
   std::vector<WayEnd> doors;
@@ -75,8 +106,7 @@ struct Room {
 class Hive {
  public:
   Hive(const Ground& ground, const Params& p, const Box3d& area, Progress& progress)
-      : ground_(ground),
-        p_(p),
+      : p_(p),
         area_(area),
         random_(ground.site().seed, Stream::rooms),
         progress_(progress),
@@ -108,12 +138,12 @@ class Hive {
     return s;
   }
 
-  /// Where the middle of the hillsides is, so that ways are short and level.
+  /// The floor that rooms are to have: about the middle of the hillsides.
   double wanted_floor() const {
     std::vector<double> heights;
     for (const impl::Mouth& m : planner_.mouths()) heights.push_back(m.ground.z);
     if (heights.empty()) return 1e9;
-    const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() * 2 / 5);
+    const auto middle = heights.begin() + std::ssize(heights) * look::low_mouths / look::of_mouths;
     std::nth_element(heights.begin(), middle, heights.end());
     return *middle;
   }
@@ -126,15 +156,14 @@ class Hive {
     const double target = wanted_floor();
     const Vec3d extent = area_.size();
     for (std::int64_t i = 0; i < p_.chambers; ++i) {
-      const volume::ChamberPreset& preset =
-          volume::find_chamber_preset(kinds[static_cast<std::size_t>(i) % kinds.size()]);
+      const volume::ChamberPreset& preset = volume::find_chamber_preset(kinds[i % std::ssize(kinds)]);
       const volume::ChamberLattice lattice = volume::parse_lattice(preset.lattice, preset.name);
-      const double most = std::min(extent.x, extent.y) / (2.5 * lattice.cells.x);
-      for (const double shrink : {1.0, 0.75, 0.55}) {
+      const double most = std::min(extent.x, extent.y) / (look::rooms_across * lattice.cells.x);
+      for (const double shrink : look::shrinks) {
         volume::ChamberSettings s;
         s.cell = p_.cell > 0 ? p_.cell : shrink * std::min(preset.cell, most);
         s.noise = p_.chamber_noise;
-        s.spacing = std::min(hollow_.spacing(), s.cell / 4);
+        s.spacing = std::min(hollow_.spacing(), s.cell / look::samples_a_cell);
         s.seed = random_.next();
         if (place_room(lattice, s, target)) break;
       }
@@ -145,18 +174,18 @@ class Hive {
     const Vec3d size = Vec3d{1.0 * lattice.cells.x, 1.0 * lattice.cells.y, 1.0 * lattice.cells.z} * s.cell;
     const double around = 0.5 * std::hypot(size.x, size.y);
     double best = -1e30;
-    for (int i = 0; i < 500; ++i) {
+    for (int i = 0; i < look::places; ++i) {
       volume::ChamberSettings t = s;
       t.turn = random_.uniform(0, 1.5707963);
       Vec3d& at = t.position;
       at.x = random_.uniform(area_.lo.x, area_.hi.x);
       at.y = random_.uniform(area_.lo.y, area_.hi.y);
-      const double merit = random_.uniform(0, 6);
+      const double merit = random_.uniform(0, look::chance);
       const double roof = planner_.roof(at.x, at.y, around) - p_.cover - size.z;
       at.z = std::min(roof, target - 0.5 * s.cell);
-      if (at.z < area_.lo.z + 2 || !apart(at, around)) continue;
-      // Deep under a mountain is no better than shallow under a hill.
-      const double worth = merit - 0.7 * std::abs(at.z - std::min(target, 1e6));
+      if (at.z < area_.lo.z + look::under_room || !apart(at, around)) continue;
+      // A room deep under a mountain is no better than a shallow one under a hill.
+      const double worth = merit - look::height_loss * std::abs(at.z - std::min(target, 1e6));
       if (worth <= best) continue;
       best = worth;
       s = t;
@@ -170,7 +199,8 @@ class Hive {
     return std::all_of(rooms_.begin(), rooms_.end(), [&](const Room& other) {
       const Vec3d d = other.chamber.settings().position - at;
       const Vec3d size = other.chamber.size();
-      return std::hypot(d.x, d.y) > around + 0.5 * std::hypot(size.x, size.y) + 6 * p_.radius;
+      return std::hypot(d.x, d.y) >
+             around + 0.5 * std::hypot(size.x, size.y) + look::between_rooms * p_.radius;
     });
   }
 
@@ -181,13 +211,14 @@ class Hive {
       const double a = s.turn + 1.57079632679 * k;
       const Vec3d out{std::cos(a), std::sin(a), 0};
       WayEnd door;
-      door.floor =
-          s.position + out * (0.5 * (k % 2 ? size.y : size.x) - 1.4 * s.cell) + Vec3d{0, 0, 0.55 * s.cell};
+      door.floor = s.position + out * (0.5 * (k % 2 ? size.y : size.x) - look::door_inset * s.cell) +
+                   Vec3d{0, 0, look::door_height * s.cell};
       door.ahead = out;
-      door.straight = 1.4 * s.cell + 2.5 * p_.radius;
+      door.straight = look::door_inset * s.cell + look::door_straight * p_.radius;
       room.doors.push_back(door);
     }
-    while (room.chamber.value(room.stand) >= 0 && room.stand.z < s.position.z + size.z) room.stand.z += 0.1;
+    while (room.chamber.value(room.stand) >= 0 && room.stand.z < s.position.z + size.z)
+      room.stand.z += look::floor_step;
     return room;
   }
 
@@ -201,7 +232,8 @@ class Hive {
     });
   }
 
-  /// A door is for one way: two would part in height before they part in place.
+  /// Digs a way from end to end; whether it could. A door is for one way: two would part in height before
+  /// they part in place.
   bool dig(const WayEnd& from, const WayEnd& to) {
     progress_.check();
     const auto is_taken = [&](const WayEnd& end) {
@@ -216,7 +248,8 @@ class Hive {
     return true;
   }
 
-  /// The doors of both rooms that are nearest to each other first.
+  /// Digs a way between two rooms, from the doors that are nearest to each other if it can be; whether it
+  /// could.
   bool join(const Room& a, const Room& b) {
     std::vector<std::pair<const WayEnd*, const WayEnd*>> pairs;
     for (const WayEnd& from : a.doors)
@@ -224,11 +257,12 @@ class Hive {
     std::stable_sort(pairs.begin(), pairs.end(), [](const auto& p, const auto& q) {
       return length(p.first->floor - p.second->floor) < length(q.first->floor - q.second->floor);
     });
-    return std::any_of(pairs.begin(), pairs.begin() + 9,
+    return std::any_of(pairs.begin(), pairs.begin() + look::door_pairs,
                        [&](const auto& pair) { return dig(*pair.first, *pair.second); });
   }
 
-  /// Each to the nearest before it, and a loop. A room to which no way leads is not dug.
+  /// Joins each room to the nearest of those before it, and the last to the first as a loop. A room to which
+  /// no way leads is not dug.
   void join_rooms() {
     const std::vector<Room> placed = std::exchange(rooms_, {});
     for (const Room& room : placed) {
@@ -246,13 +280,14 @@ class Hive {
     for (const Room& room : rooms_) hollow_.add(room.chamber);
   }
 
-  /// Mouths are far from one another if there is a choice.
+  /// Opens entrances, far from one another if there is a choice.
   void open_mouths() {
     const Vec3d extent = area_.size();
     int tries = 0;
-    for (double far = 0.35 * std::min(extent.x, extent.y); far > 4 * p_.radius; far *= 0.6)
+    for (double far = look::mouths_apart * std::min(extent.x, extent.y); far > look::least_apart * p_.radius;
+         far *= look::nearer)
       for (const impl::Mouth& mouth : planner_.mouths()) {
-        if (std::ssize(opened_) >= p_.entrances || ++tries > 600) return;
+        if (std::ssize(opened_) >= p_.entrances || ++tries > look::mouth_tries) return;
         const auto near = [&](Vec3d other) { return length(other - mouth.ground) < far; };
         if (std::any_of(opened_.begin(), opened_.end(), near)) continue;
         if (open(mouth)) opened_.push_back(mouth.ground);
@@ -262,7 +297,8 @@ class Hive {
   bool open(const impl::Mouth& mouth) {
     const WayEnd from = planner_.end_of(mouth);
     if (rooms_.empty()) {
-      const WayEnd to{from.floor + mouth.inward * (16 * p_.radius), -mouth.inward, p_.radius, false};
+      const WayEnd to{from.floor + mouth.inward * (look::lone_tunnel * p_.radius), -mouth.inward, p_.radius,
+                      false};
       return dig(from, to);
     }
     std::vector<const WayEnd*> doors;
@@ -272,11 +308,11 @@ class Hive {
       return length(a->floor - mouth.ground) < length(b->floor - mouth.ground);
     });
     if (dot(doors.front()->floor - mouth.ground, mouth.inward) < 0) return false;
-    return std::any_of(doors.begin(), doors.begin() + std::min<std::ptrdiff_t>(6, std::ssize(doors)),
+    return std::any_of(doors.begin(),
+                       doors.begin() + std::min<std::ptrdiff_t>(look::mouth_doors, std::ssize(doors)),
                        [&](const WayEnd* door) { return dig(from, *door); });
   }
 
-  const Ground& ground_;
   const Params& p_;
   Box3d area_;
   Random random_;
@@ -305,8 +341,8 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   if (p.noise > 0) {
     impl::FractalGroundSettings s;
     s.noise = p.noise;
-    s.coarse = std::min(40.0, 0.25 * std::min(area.size().x, area.size().y));
-    s.spacing = p.spacing > 0 ? p.spacing : 0.3 * p.radius;
+    s.coarse = std::min(look::coarse, look::coarse_share * std::min(area.size().x, area.size().y));
+    s.spacing = p.spacing > 0 ? p.spacing : look::ground_spacing * p.radius;
     s.seed = hash_combine(site.seed, Stream::ground);
     Site over = site;
     Box3d all = area;

@@ -3,6 +3,16 @@
 #include <algorithm>
 
 namespace tafoni::landforms::impl {
+namespace {
+
+/// Chosen by eye.
+namespace look {
+// Squares tried along each side of the terrain, and how many heights to each side of a square's middle tell
+// its relief.
+constexpr int places = 16, within = 8;
+}  // namespace look
+
+}  // namespace
 
 Box3d find_hive_area(const Ground& ground, double size, double depth) {
   const Site& site = ground.site();
@@ -17,7 +27,7 @@ Box3d find_hive_area(const Ground& ground, double size, double depth) {
     middle = site.points.front();
   } else {
     double best = -1;
-    constexpr int places = 16, within = 8;
+    constexpr int places = look::places, within = look::within;
     for (int j = 0; j < places; ++j)
       for (int i = 0; i < places; ++i) {
         const double x = fit(area.lo.x + (i + 0.5) / places * (area.hi.x - area.lo.x), area.lo.x, area.hi.x),
@@ -36,7 +46,7 @@ Box3d find_hive_area(const Ground& ground, double size, double depth) {
           }
         // Ground that may not be dug is of no use.
         const double relief =
-            (high - low) * (1 - static_cast<double>(outside) / ((2 * within + 1) * (2 * within + 1)));
+            (high - low) * (1 - double{1} * outside / ((2 * within + 1) * (2 * within + 1)));
         if (relief > best) best = relief, middle.x = x, middle.y = y;
       }
   }

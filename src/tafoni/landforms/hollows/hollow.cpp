@@ -1,3 +1,6 @@
+// Tunnels and chambers carved into one scalar grid. What the tree gets is a function of it: walls textured as
+// bedded rock, rims worn round where they meet the ground, fenced by the region's control field.
+
 #include "tafoni/landforms/hollows/hollow.h"
 
 #include <algorithm>
@@ -15,17 +18,30 @@ using volume::ScalarGrid;
 
 enum class HollowStream : std::uint64_t { walls = 0x407 };
 
+/// Chosen by eye.
+namespace look {
+// Spacing of the samples, in radii of a tunnel and in metres at least; the wavelength of walls, in radii.
+constexpr double spacing = 0.2, least_spacing = 0.05, wavelength = 1.6;
+// Rims are worn over so many samples, and so far at the region's border fades the hollow in; but over no more
+// than this share of the amplitude.
+constexpr double worn = 2, most_worn = 0.3;
+// Metres between the points of a route: close enough for the way between them to stay off the walls.
+constexpr double route_step = 1;
+// Step of gradients, in samples.
+constexpr double gradient_step = 0.3;
+}  // namespace look
+
 class HollowShape final : public RockShape {
  public:
   HollowShape(ScalarGrid grid, const RockTexture& texture) : RockShape(texture), grid_(std::move(grid)) {}
 
  private:
-  double body(Vec3d p) const override { return -static_cast<double>(grid_.value(p)); }
+  double body(Vec3d p) const override { return -double{grid_.value(p)}; }
   Range body_range(const Box3d& box) const override {
     const Interval r = grid_.range(box);
-    return {-static_cast<double>(r.hi), -static_cast<double>(r.lo)};
+    return {-double{r.hi}, -double{r.lo}};
   }
-  double step() const override { return 0.3 * grid_.frame().spacing; }
+  double step() const override { return look::gradient_step * grid_.frame().spacing; }
 
   ScalarGrid grid_;
 };
@@ -47,8 +63,8 @@ class WornRims final : public field::Function {
     }
   }
 
-  /// Of both surfaces, weighed as they are in the minimum: the values jump where the tree's surface takes
-  /// over, although what is left of the tree does not.
+  /// The gradients of both surfaces, weighed as they are in the minimum: the values jump where the tree's
+  /// surface takes over, although what is left of the tree does not.
   void gradients(std::span<const Vec3d> points, std::span<Vec3f> out) const override {
     std::vector<float> opening(points.size());
     opening_->values(points, opening);
@@ -90,7 +106,7 @@ class WornRims final : public field::Function {
   struct Meeting {
     float k, h;  ///< over how much they meet, and how closely they do
   };
-  /// Nothing beyond twice the radius from the wall.
+  /// They meet nowhere beyond twice the radius from the wall.
   Meeting meeting(float solid, float opening) const {
     const float k = radius_ * (1 - std::abs(opening) / (2 * radius_));
     return {k, std::max(k - std::abs(solid + opening), 0.0f)};
@@ -126,7 +142,7 @@ double carved_volume(const ScalarGrid& grid, const field::NodePtr& before) {
   const Vec3i chunks = grid.chunks();
   constexpr int side = ScalarGrid::chunk_samples;
   const std::int64_t n = std::int64_t{chunks.x} * chunks.y * chunks.z;
-  std::vector<std::int64_t> counts(static_cast<std::size_t>(n), 0);
+  std::vector<std::int64_t> counts(n, 0);
   parallel_for(n, [&](std::int64_t c) {
     const Vec3i at{static_cast<int>(c % chunks.x), static_cast<int>(c / chunks.x % chunks.y),
                    static_cast<int>(c / chunks.x / chunks.y)};
@@ -150,11 +166,11 @@ double carved_volume(const ScalarGrid& grid, const field::NodePtr& before) {
 
 Hollow::Hollow(const Ground& ground, const HollowParams& params, double radius) : ground_(ground) {
   const Site& site = ground.site();
-  spacing_ = params.spacing > 0 ? params.spacing : std::max(0.2 * radius, 0.05);
+  spacing_ = params.spacing > 0 ? params.spacing : std::max(look::spacing * radius, look::least_spacing);
   texture_.geology = site.geology;
   texture_.relief = -params.relief;
   texture_.unevenness = params.roughness;
-  texture_.wavelength = 1.6 * radius;
+  texture_.wavelength = look::wavelength * radius;
   texture_.amplitude = site.amplitude;
   texture_.origin = site.origin;
   texture_.seed = hash_combine(site.seed, HollowStream::walls);
@@ -178,8 +194,7 @@ void Hollow::tell_routes(Facts& facts) const {
     for (std::size_t i = 0; i < t.axis.size(); ++i) {
       const volume::AxisPoint& a = t.axis[i];
       if (i > 0) since += tafoni::length(a.position - t.axis[i - 1].position);
-      // Close enough together for the way between them to stay off the walls.
-      if (since < 1 && i + 1 < t.axis.size()) continue;
+      if (since < look::route_step && i + 1 < t.axis.size()) continue;
       since = 0;
       routes.push_back(a.position - Vec3d{0, 0, std::min(t.floor, a.radius)});
       ++count;
@@ -231,12 +246,12 @@ Result Hollow::finish(Progress& progress) const {
   }
   result.facts.volume("volume", carved_volume(grid, site.terrain));
   const auto shape = std::make_shared<HollowShape>(std::move(grid), texture_);
-  const auto control = control_of(site, 2 * spacing_);
+  const auto control = control_of(site, look::worn * spacing_);
   result.reshaped = box;
-  result.reshape = [shape, control, worn = 2 * spacing_, t = site.amplitude](field::NodePtr tree) {
+  result.reshape = [shape, control, worn = look::worn * spacing_, t = site.amplitude](field::NodePtr tree) {
     const auto limit = static_cast<float>(t);
-    field::NodePtr cut = field::function(
-        std::make_shared<WornRims>(shape, field::as_function(tree, -limit, limit), std::min(worn, 0.3 * t)));
+    field::NodePtr cut = field::function(std::make_shared<WornRims>(
+        shape, field::as_function(tree, -limit, limit), std::min(worn, look::most_worn * t)));
     if (control)
       cut = field::intersect({std::move(cut), field::function(std::make_shared<Fence>(control, t))});
     return field::subtract(std::move(tree), std::move(cut));

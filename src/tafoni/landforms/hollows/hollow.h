@@ -29,22 +29,22 @@ void add_hollow_params(ParamTable<P>& t) {
 
 class Hollow {
  public:
-  /// `radius`: of tunnels, which the defaults follow.
+  /// `radius` is that of tunnels, which the defaults follow.
   Hollow(const Ground& ground, const HollowParams& params, double radius);
 
   void add(volume::Tunnel tunnel) { tunnels_.push_back(std::move(tunnel)); }
   void add(volume::Chamber chamber) { chambers_.push_back(std::move(chamber)); }
-  /// Finer than it need be for chambers.
+  /// Metres between the samples of the volume. Chambers could do with fewer.
   double spacing() const { return spacing_; }
 
-  /// min(tree, distance to the walls), kept off where the site may not be changed. Its facts tell the
-  /// tunnels' length, the volume carved and where to walk: `routes`, places along
-  /// the floor of every tunnel, one tunnel after another, `route_points` of them each.
+  /// Reshapes the tree to min(tree, distance to the walls), but where the site may not be changed. The facts
+  /// tell the tunnels' length, the volume carved and where to walk: `routes`, places along the floor of every
+  /// tunnel, one tunnel after another, `route_points` of them each.
   Result finish(Progress& progress) const;
 
  private:
   Box3d bounds(double reach) const;
-  /// Throws Error{usage} where the spacing is too fine for what is dug; `reach`: metres of rock about it.
+  /// Throws Error{usage} where the spacing is too fine for what is dug and `reach` metres of rock about it.
   void check_size(double reach) const;
   void tell_routes(Facts& facts) const;
 

@@ -1,3 +1,7 @@
+// Tunnels planned under a terrain: a raster of the lowest roofs, mouths at samples of the surface that have
+// air before and rock behind them, and ways between ends as fractal legs, levelled until they can be walked;
+// a few random windings are tried until one stays under the roofs and crosses no other.
+
 #include "tafoni/landforms/hollows/tunnel_planner.h"
 
 #include <algorithm>
@@ -6,11 +10,52 @@
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/site/surface.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms::impl {
 namespace {
 
 constexpr double nowhere = -1e30;
+
+enum class Stream : std::uint64_t { mouths = 1, side = 7 };
+
+/// Chosen by eye; lengths are in radii of the tunnels where nothing else is said.
+namespace look {
+// From point to point of a tunnel's axis.
+constexpr double step = 0.7;
+// Passes that take off an axis's smallest bends.
+constexpr int smoothing = 4;
+// The raster of roofs: its pixels, at most so many across the area; from sample to sample upwards, metres at
+// least.
+constexpr double roof_pixel = 0.8, roofs_across = 300, roof_rise = 0.4, least_rise = 0.5;
+// Mouths are sought so far apart, at most so many across the area, on slopes whose normal's z is between
+// these (neither ceilings nor flats), so far off the terrain's border.
+constexpr double mouth_spacing = 2, mouths_across = 60, border = 4;
+constexpr float steepest = 0.15f, flattest = 0.94f;
+// Hillsides that slope by so many radians, more or less, come before gentle slopes and cliffs.
+constexpr double hillside = 0.75, hillside_range = 0.25;
+// Before a mouth there must be air from and up to so far, in a wedge that opens upwards; behind it rock.
+constexpr double air_from = 0.6, air_to = 3, air_step = 0.4, air_rise = 0.3;
+constexpr double rock_from = 5, rock_to = 8;
+// A tunnel begins so far before the ground, and goes straight in from there.
+constexpr double porch = 0.7, straight = 5;
+// Within so many straights of an open end a tunnel need have no roof.
+constexpr double roofless = 1.2;
+// A tunnel's reach, with what it swells: its roof is looked for so far around and above.
+constexpr double reach = 1.3;
+// Tunnels whose axes differ in height by less meet on a level, which is welcome; those that cross in plan
+// must be metres more than both radii apart.
+constexpr double level = 0.1, apart = 0.5, rock_between = 1;
+// A way meets itself only where so much of it lies between.
+constexpr double own_way = 4;
+// The shortest way, and how much longer than needed for the slope it is planned, in shares.
+constexpr double least_way = 3, longer = 1.15;
+// Bends go aside in steps of metres until the way is long enough, at most so many metres beyond its length.
+constexpr double bend_step = 2, bend_most = 60;
+// Attempts at a way; from the fourth on they bend metres farther aside each, from the sixth on all bend.
+constexpr std::uint64_t attempts = 10, as_needed = 3, all_bend = 4;
+constexpr double bend_more = 3;
+}  // namespace look
 
 Vec3d aside(Vec3d ahead) {
   return {-ahead.y, ahead.x, 0};
@@ -18,7 +63,7 @@ Vec3d aside(Vec3d ahead) {
 
 /// Takes off the smallest bends: where a slope turns within its own width, its floor falls in steps.
 void smooth(std::vector<volume::AxisPoint>& axis) {
-  for (int pass = 0; pass < 4; ++pass) {
+  for (int pass = 0; pass < look::smoothing; ++pass) {
     volume::AxisPoint before = axis.front();
     for (std::size_t i = 1; i + 1 < axis.size(); ++i) {
       const volume::AxisPoint own = axis[i];
@@ -31,6 +76,13 @@ void smooth(std::vector<volume::AxisPoint>& axis) {
 
 }  // namespace
 
+volume::TunnelSettings tunnel_settings(const TunnelParams& params) {
+  volume::TunnelSettings s;
+  s.radius = params.radius, s.swelling = params.swelling, s.wander = params.wander, s.floor = params.floor;
+  s.step = look::step * params.radius;
+  return s;
+}
+
 TunnelPlanner::TunnelPlanner(const Ground& ground, const TunnelPlannerSettings& settings, Progress& progress)
     : ground_(ground), s_(settings), field_(field::compile(ground.site().terrain)) {
   look_for_roofs();
@@ -38,20 +90,23 @@ TunnelPlanner::TunnelPlanner(const Ground& ground, const TunnelPlannerSettings& 
   look_for_mouths(progress);
 }
 
-/// Up from the depth, column by column, to the first air.
+/// Goes up from the depth, column by column, to the first air.
 void TunnelPlanner::look_for_roofs() {
   const Vec3d extent = s_.area.size();
-  const double step = std::max(0.8 * s_.radius, std::max(extent.x, extent.y) / 300);
-  const int nx = static_cast<int>(extent.x / step) + 2, ny = static_cast<int>(extent.y / step) + 2;
+  const double step =
+      std::max(look::roof_pixel * s_.radius, std::max(extent.x, extent.y) / look::roofs_across);
+  const int nx = floor_to(extent.x / step) + 2, ny = floor_to(extent.y / step) + 2;
   roofs_.placement = {s_.area.lo.x - 0.5 * step, s_.area.hi.y + 0.5 * step, step, step};
   roofs_.values = raster::Grid<float>(nx, ny, static_cast<float>(nowhere));
-  const double low = std::max(s_.lowest, s_.area.lo.z), rise = std::max(0.5, 0.4 * s_.radius);
-  const int most = static_cast<int>((s_.area.hi.z - low) / rise) + 2;
-  parallel_for(ny, [&](std::int64_t row) {
+  const double low = std::max(s_.lowest, s_.area.lo.z),
+               rise = std::max(look::least_rise, look::roof_rise * s_.radius);
+  const int most = floor_to((s_.area.hi.z - low) / rise) + 2;
+  parallel_for(ny, [&](std::int64_t line_of) {
+    const int row = static_cast<int>(line_of);
     std::vector<Vec3d> line;
     std::vector<float> values;
     for (int col = 0; col < nx; ++col) {
-      const Vec2d at = roofs_.placement.center(col, static_cast<int>(row));
+      const Vec2d at = roofs_.placement.center(col, row);
       if (!ground_.usable({at.x, at.y, s_.area.center().z}, s_.radius)) continue;
       line.clear();
       for (int k = 0; k < most; ++k) line.push_back({at.x, at.y, low + rise * k});
@@ -59,7 +114,7 @@ void TunnelPlanner::look_for_roofs() {
       field_.values(line, values);
       const auto air = std::find_if(values.begin(), values.end(), [](float v) { return v <= 0; });
       const auto solid = static_cast<double>(air - values.begin()) - 1;
-      if (solid > 0) roofs_.values.at(col, static_cast<int>(row)) = static_cast<float>(low + rise * solid);
+      if (solid > 0) roofs_.values.at(col, row) = static_cast<float>(low + rise * solid);
     }
   });
 }
@@ -67,48 +122,52 @@ void TunnelPlanner::look_for_roofs() {
 double TunnelPlanner::roof(double x, double y, double around) const {
   const raster::Placement& at = roofs_.placement;
   const Vec2d lo = at.pixel(x - around, y + around), hi = at.pixel(x + around, y - around);
-  const int c0 = static_cast<int>(std::floor(lo.x)), c1 = static_cast<int>(std::ceil(hi.x));
-  const int r0 = static_cast<int>(std::floor(lo.y)), r1 = static_cast<int>(std::ceil(hi.y));
+  const int c0 = floor_to(lo.x), c1 = ceil_to(hi.x);
+  const int r0 = floor_to(lo.y), r1 = ceil_to(hi.y);
   if (c0 < 0 || r0 < 0 || c1 >= roofs_.width() || r1 >= roofs_.height()) return nowhere;
   float least = 1e30f;
   for (int r = r0; r <= r1; ++r)
     for (int c = c0; c <= c1; ++c) least = std::min(least, roofs_.values.at(c, r));
-  return static_cast<double>(least);
+  return least;
 }
 
 void TunnelPlanner::look_for_mouths(Progress& progress) {
   SurfaceSampling sampling;
   const Vec3d extent = s_.area.size();
-  sampling.spacing = std::max(2 * s_.radius, std::max(extent.x, extent.y) / 60);
+  sampling.spacing =
+      std::max(look::mouth_spacing * s_.radius, std::max(extent.x, extent.y) / look::mouths_across);
   sampling.box = s_.area;
   sampling.box.lo.z = std::max(sampling.box.lo.z, s_.lowest);
-  sampling.seed = hash_combine(s_.seed, 1);
+  sampling.seed = hash_combine(s_.seed, Stream::mouths);
   sampling.accept = [&](const SurfaceSample& at) {
-    return at.normal.z > 0.15f && at.normal.z < 0.94f && ground_.usable(at.position, 4 * s_.radius);
+    return at.normal.z > look::steepest && at.normal.z < look::flattest &&
+           ground_.usable(at.position, look::border * s_.radius);
   };
   std::vector<Mouth> found;
   for (const SurfaceSample& at : sample_surface(field_, sampling, progress)) {
-    const Vec3d out =
-        normalized(Vec3d{static_cast<double>(at.normal.x), static_cast<double>(at.normal.y), 0});
-    const Mouth mouth{at.position, -out, std::acos(static_cast<double>(at.normal.z))};
+    const Vec3d out = normalized(Vec3d{at.normal.x, at.normal.y, 0});
+    const Mouth mouth{at.position, -out, std::acos(double{at.normal.z})};
     if (good(mouth)) found.push_back(mouth);
   }
   // Hillsides before gentle slopes and cliffs; sampling has shuffled them.
   std::stable_sort(found.begin(), found.end(), [](const Mouth& a, const Mouth& b) {
-    const auto merit = [](const Mouth& m) { return std::abs(m.slope - 0.75) < 0.25; };
+    const auto merit = [](const Mouth& m) {
+      return std::abs(m.slope - look::hillside) < look::hillside_range;
+    };
     return merit(a) > merit(b);
   });
   mouths_ = std::move(found);
 }
 
-/// Free in front, where one comes from; a roof not far inside.
+/// Whether it is free in front, where one comes from, and has a roof not far inside.
 bool TunnelPlanner::good(const Mouth& m) const {
   const double r = s_.radius;
   const Vec3d axis = m.ground + Vec3d{0, 0, s_.floor * r};
   std::vector<Vec3d> air, rock;
-  for (double t = 0.6; t <= 3; t += 0.4)
-    for (double up : {0.0, 0.5}) air.push_back(axis - m.inward * (t * r) + Vec3d{0, 0, (up + 0.3 * t) * r});
-  for (double t = 5; t <= 8; t += 1)
+  for (double t = look::air_from; t <= look::air_to; t += look::air_step)
+    for (double up : {0.0, 0.5})
+      air.push_back(axis - m.inward * (t * r) + Vec3d{0, 0, (up + look::air_rise * t) * r});
+  for (double t = look::rock_from; t <= look::rock_to; t += 1)
     for (double side : {-1.0, 0.0, 1.0})
       for (double up : {-1.0, 0.0, 1.4})
         rock.push_back(axis + m.inward * (t * r) + aside(m.inward) * (side * r) + Vec3d{0, 0, up * r});
@@ -117,11 +176,11 @@ bool TunnelPlanner::good(const Mouth& m) const {
   field_.values(rock, solid);
   return std::all_of(free.begin(), free.end(), [](float v) { return v < 0; }) &&
          std::all_of(solid.begin(), solid.end(), [](float v) { return v > 0; }) &&
-         ground_.usable(m.ground + m.inward * (8 * r)) && m.ground.z > s_.lowest + r;
+         ground_.usable(m.ground + m.inward * (look::rock_to * r)) && m.ground.z > s_.lowest + r;
 }
 
 WayEnd TunnelPlanner::end_of(const Mouth& m) const {
-  return {m.ground - m.inward * (0.7 * s_.radius), m.inward, 5 * s_.radius, true};
+  return {m.ground - m.inward * (look::porch * s_.radius), m.inward, look::straight * s_.radius, true};
 }
 
 std::optional<volume::Tunnel> TunnelPlanner::attempt(const WayEnd& from, const WayEnd& to, std::uint64_t seed,
@@ -133,22 +192,20 @@ std::optional<volume::Tunnel> TunnelPlanner::attempt(const WayEnd& from, const W
   const Vec3d a1 = a + from.ahead * from.straight, b1 = b + to.ahead * to.straight;
   std::vector<Vec3d> stops = {a1};
   if (lengthen > 0) {
-    // Two bends to either side.
+    // It bends to one side and then to the other.
     const Vec3d d = b1 - a1;
     const Vec3d side =
-        aside(normalized(Vec3d{d.x, d.y, 0})) * (Random(seed, 7).at(0) & 1 ? lengthen : -lengthen);
+        aside(normalized(Vec3d{d.x, d.y, 0})) * (Random(seed, Stream::side).at(0) & 1 ? lengthen : -lengthen);
     stops.push_back(a1 + d * (1.0 / 3) + side);
     stops.push_back(a1 + d * (2.0 / 3) - side);
   }
   stops.push_back(b1);
-  volume::TunnelSettings t;
-  t.radius = r, t.swelling = s_.swelling, t.wander = s_.wander, t.floor = s_.floor;
-  t.step = 0.7 * r;
+  volume::TunnelSettings t = tunnel_settings(s_);
   volume::Tunnel made;
   made.floor = s_.floor * r;
   const auto straight = [&](Vec3d p, Vec3d q) {
-    const int n = std::max(1, static_cast<int>(length(q - p) / t.step));
-    for (int i = 0; i < n; ++i) made.axis.push_back({p + (q - p) * (static_cast<double>(i) / n), r});
+    const int n = std::max(1, floor_to(length(q - p) / t.step));
+    for (int i = 0; i < n; ++i) made.axis.push_back({p + (q - p) * (1.0 * i / n), r});
   };
   straight(a, a1);
   for (std::size_t i = 0; i + 1 < stops.size(); ++i) {
@@ -160,11 +217,11 @@ std::optional<volume::Tunnel> TunnelPlanner::attempt(const WayEnd& from, const W
   made.axis.push_back({b, r});
   smooth(made.axis);
   const auto near_end = [&](Vec3d p, const WayEnd& end) {
-    return end.open && std::hypot(p.x - end.floor.x, p.y - end.floor.y) < 1.2 * end.straight;
+    return end.open && std::hypot(p.x - end.floor.x, p.y - end.floor.y) < look::roofless * end.straight;
   };
   const auto highest = [&](Vec3d p) {
     if (near_end(p, from) || near_end(p, to)) return 1e9;
-    return roof(p.x, p.y, 1.3 * r) - s_.cover - 1.3 * r;
+    return roof(p.x, p.y, look::reach * r) - s_.cover - look::reach * r;
   };
   if (!volume::level_axis(made.axis, s_.slope, highest)) return {};
   for (const volume::AxisPoint& p : made.axis) {
@@ -189,7 +246,8 @@ bool TunnelPlanner::crosses(const volume::Tunnel& way, const WayEnd& from, const
   const auto over = [&](const volume::AxisPoint& a, const volume::AxisPoint& b) {
     const Vec3d d = a.position - b.position;
     const double both = a.radius + b.radius, up = std::abs(d.z);
-    return std::hypot(d.x, d.y) < both + 0.5 && up > 0.1 * s_.radius && up < both + 1;
+    return std::hypot(d.x, d.y) < both + look::apart && up > look::level * s_.radius &&
+           up < both + look::rock_between;
   };
   double along = 0;
   std::vector<double> place;
@@ -200,8 +258,8 @@ bool TunnelPlanner::crosses(const volume::Tunnel& way, const WayEnd& from, const
     if (!at_end(a.position) &&
         std::any_of(dug_.begin(), dug_.end(), [&](const auto& b) { return over(a, b); }))
       return true;
-    // Nor over itself.
-    for (std::size_t j = 0; j < i && along - place[j] > 4 * s_.radius; ++j)
+    // Nor does a way cross itself.
+    for (std::size_t j = 0; j < i && along - place[j] > look::own_way * s_.radius; ++j)
       if (over(a, way.axis[j])) return true;
   }
   return false;
@@ -211,14 +269,16 @@ std::optional<volume::Tunnel> TunnelPlanner::way(const WayEnd& from, const WayEn
                                                  const std::function<bool(Vec3d)>& avoid) const {
   const Vec3d d = to.floor + to.ahead * to.straight - from.floor - from.ahead * from.straight;
   const double flat = std::hypot(d.x, d.y);
-  if (flat < 3 * s_.radius) return {};
+  if (flat < look::least_way * s_.radius) return {};
   // How far aside the bends must be for the way to be long enough, and then some.
   double needed = 0;
   const auto length_of = [&](double w) { return 2 * std::hypot(flat / 3, w) + std::hypot(flat / 3, 2 * w); };
-  while (length_of(needed) * s_.slope < 1.15 * std::abs(d.z) && needed < flat + 60) needed += 2;
-  for (std::uint64_t i = 0; i < 10; ++i) {
-    const double more = needed + (i < 3 ? 0 : 3.0 * static_cast<double>(i));
-    if (auto made = attempt(from, to, hash_combine(seed, i), needed > 0 || i > 4 ? more : 0, avoid))
+  while (length_of(needed) * s_.slope < look::longer * std::abs(d.z) && needed < flat + look::bend_most)
+    needed += look::bend_step;
+  for (std::uint64_t i = 0; i < look::attempts; ++i) {
+    const double more = needed + (i < look::as_needed ? 0 : look::bend_more * static_cast<double>(i));
+    if (auto made =
+            attempt(from, to, hash_combine(seed, i), needed > 0 || i > look::all_bend ? more : 0, avoid))
       return made;
   }
   return {};

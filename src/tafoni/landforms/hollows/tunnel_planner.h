@@ -1,5 +1,6 @@
 #pragma once
-// Where tunnels may go: mouths on hillsides, ways that stay under the ground and can be walked.
+// Where tunnels may go: mouths on hillsides, and ways between them and other ends that stay under the ground,
+// can be walked and do not cross one another. It plans only; a Hollow digs.
 
 #include <functional>
 #include <optional>
@@ -15,11 +16,14 @@ namespace tafoni::landforms::impl {
 struct TunnelParams {
   double radius = 2.5;     ///< metres, on average
   double swelling = 0.25;  ///< most that the radius differs from it, as a share
-  double wander =
-      0.22;             ///< most that a stretch's middle lies off its straight line, as a share of its length
+  /// Most that a stretch's middle lies off its straight line, as a share of its length.
+  double wander = 0.22;
   double floor = 0.55;  ///< radii below the axis
   double cover = 3;     ///< metres of rock over a roof
 };
+
+/// A tunnel of these parameters; its slope and seed are still the defaults.
+volume::TunnelSettings tunnel_settings(const TunnelParams& params);
 
 struct TunnelPlannerSettings : TunnelParams {
   Box3d area;            ///< local; x and y of where to dig
@@ -30,7 +34,7 @@ struct TunnelPlannerSettings : TunnelParams {
 
 /// A place on a hillside where a tunnel can open.
 struct Mouth {
-  Vec3d ground;  ///< local, on the surface: where its floor begins
+  Vec3d ground;  ///< local, on the surface, where its floor begins
   Vec3d inward;  ///< unit, horizontal
   double slope;  ///< of the ground, radians
 };
@@ -40,19 +44,20 @@ struct WayEnd {
   Vec3d floor;
   Vec3d ahead;
   double straight = 0;  ///< metres that the way keeps to this direction
-  bool open = false;    ///< under no roof
+  bool open = false;    ///< whether it lies under no roof
 };
 
 class TunnelPlanner {
  public:
   TunnelPlanner(const Ground& ground, const TunnelPlannerSettings& settings, Progress& progress);
 
-  /// In random order, the best hillsides first, no two nearer than `apart`.
+  /// The best hillsides come first, otherwise in random order.
   const std::vector<Mouth>& mouths() const { return mouths_; }
   WayEnd end_of(const Mouth& mouth) const;
-  /// Local z of the lowest roof of rock within `around` of a place: below it all is rock. -1e30 off the area.
+  /// Local z of the lowest roof of rock within `around` of a place: below it all is rock. It is -1e30 off the
+  /// area.
   double roof(double x, double y, double around) const;
-  /// Later ways do not cross this one where one would fall from floor to floor.
+  /// From now on ways do not cross this one where one would fall from floor to floor.
   void keep_off(const volume::Tunnel& dug);
   /// A tunnel that stays under the ground but at open ends, off what `avoid` says, and can be walked;
   /// windings are added where it would be too steep. None where there is no such way.

@@ -1,3 +1,7 @@
+// A terrain as a volume: a lattice of coarse values, each the height of the ground over it, is subdivided
+// level by level with noise [Ju01 §2]. With `detail` the coarse values are 0 and the terrain's own shape is
+// added to the subdivided noise, sample by sample.
+
 #include "tafoni/landforms/rock/fractal_ground.h"
 
 #include <algorithm>
@@ -7,12 +11,30 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/landforms/rock/replacement.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/raster/resample.h"
 
 namespace tafoni::landforms::impl {
 namespace {
 
 using volume::ScalarGrid;
+
+/// Chosen by eye.
+namespace look {
+// Samples across the site's longer side if no spacing is given, but between a quarter of a pixel and two.
+constexpr double samples_across = 400, least_pixels = 0.25, most_pixels = 2;
+// The first level's cells, in shorter sides of the site; the width over which the volume takes over, in
+// cells.
+constexpr double coarse = 0.25, fade = 0.25;
+// What values may stray from the plane beyond what all levels add, for the subdivision's rule overshoots: as
+// a factor, and in cells.
+constexpr double overshoot = 1.3, more_cells = 0.25;
+// A pin begins at the first level whose cells are no larger than this share of its radius.
+constexpr double pin_cells = 0.5;
+// Step of gradients, in samples: trilinear values have gradients that jump at each cell's face, and faces
+// would show in the light.
+constexpr double gradient_step = 0.5;
+}  // namespace look
 
 class VolumeLeaf final : public field::Function {
  public:
@@ -23,8 +45,7 @@ class VolumeLeaf final : public field::Function {
     grid_.values(points, out);
     for (float& v : out) v = std::clamp(v, -most_, most_);
   }
-  /// Trilinear values have gradients that jump at each cell's face, and faces would show in the light.
-  double step() const override { return 0.5 * grid_.frame().spacing; }
+  double step() const override { return look::gradient_step * grid_.frame().spacing; }
   Interval range(const Box3d& box) const override {
     const Interval r = grid_.range(box);
     return {std::clamp(r.lo, -most_, most_), std::clamp(r.hi, -most_, most_)};
@@ -35,7 +56,7 @@ class VolumeLeaf final : public field::Function {
   float most_;
 };
 
-/// The lattice, and what fills it.
+/// Lays out the lattice and fills it.
 class LatticeFiller {
  public:
   LatticeFiller(const Ground& ground, const FractalGroundSettings& s) : ground_(ground), s_(s) {
@@ -50,9 +71,10 @@ class LatticeFiller {
     const double wide = hi_.x - lo_.x, deep = hi_.y - lo_.y;
     const double wanted =
         s.spacing > 0 ? s.spacing
-                      : std::clamp(std::max(wide, deep) / 400, ground.pixel() / 4, 2 * ground.pixel());
-    cell_ = s.coarse > 0 ? s.coarse : 0.25 * std::min(wide, deep);
-    volume_.levels = std::clamp(static_cast<int>(std::ceil(std::log2(cell_ / wanted) - 1e-6)), 1, 12);
+                      : std::clamp(std::max(wide, deep) / look::samples_across,
+                                   look::least_pixels * ground.pixel(), look::most_pixels * ground.pixel());
+    cell_ = s.coarse > 0 ? s.coarse : look::coarse * std::min(wide, deep);
+    volume_.levels = std::clamp(ceil_to(std::log2(cell_ / wanted) - 1e-6), 1, 12);
     volume_.spacing = std::ldexp(cell_, -volume_.levels);
     // At level l new samples lie a half of the level's cells from old ones.
     volume_.noise =
@@ -99,13 +121,10 @@ class LatticeFiller {
     limit_ = ground_.site().amplitude;
     const auto& values = ground_.site().heights->values.values();
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
-    // Values stray from the plane by at most what all levels add, and what the rule overshoots.
-    const double around = 1.3 * most + limit_ + 0.25 * cell_;
-    bottom_ = static_cast<double>(*low) - around;
-    const double top = static_cast<double>(*high) + around;
-    const auto cells = [&](double extent) {
-      return std::max(1, static_cast<int>(std::ceil(extent / cell_ - 1e-6)));
-    };
+    const double around = look::overshoot * most + limit_ + look::more_cells * cell_;
+    bottom_ = *low - around;
+    const double top = *high + around;
+    const auto cells = [&](double extent) { return std::max(1, ceil_to(extent / cell_ - 1e-6)); };
     volume_.cells = {cells(hi_.x - lo_.x), cells(hi_.y - lo_.y), cells(top - bottom_)};
     const auto first = [&](double lo, double hi, int n) { return 0.5 * (lo + hi - n * cell_); };
     // On the global lattice of the spacing, so that neighbouring layers agree.
@@ -130,7 +149,7 @@ class LatticeFiller {
                                  (volume_.origin.z + k * cell_)));
   }
 
-  /// Over a square of one cell.
+  /// The mean height of a square of one cell.
   double mean_height(double x, double y) const {
     constexpr int n = 8;
     double sum = 0;
@@ -144,7 +163,8 @@ class LatticeFiller {
     for (volume::Pin pin : s_.pins) {
       // The first level of which several samples feel it, or the last that may have pins.
       pin.level = 0;
-      while (pin.level + 1 < volume_.levels && std::ldexp(cell_, -pin.level) > 0.5 * pin.radius) ++pin.level;
+      while (pin.level + 1 < volume_.levels && std::ldexp(cell_, -pin.level) > look::pin_cells * pin.radius)
+        ++pin.level;
       // Over a terrain that stays, a pin says what is there in all.
       if (s_.detail) pin.value -= height(pin.position.x, pin.position.y) - pin.position.z;
       volume_.pins.push_back(pin);
@@ -197,7 +217,7 @@ FractalGround fractal_ground(const Ground& ground, const FractalGroundSettings& 
   const LatticeFiller filler(ground, s);
   const Vec3i wanted = filler.settings().size();
   constexpr double most = 0x1p32;
-  if (static_cast<double>(wanted.x) * wanted.y * wanted.z > most)
+  if (1.0 * wanted.x * wanted.y * wanted.z > most)
     fail(ErrorKind::usage,
          "a spacing of {:.3g} m makes {} x {} x {} samples, more than 2^32; give a greater one",
          filler.settings().spacing, wanted.x, wanted.y, wanted.z);
@@ -211,9 +231,9 @@ FractalGround fractal_ground(const Ground& ground, const FractalGroundSettings& 
       .number("megabytes", static_cast<double>(grid.bytes()) / 1e6)
       .count("primitives", 0);
   out.volume = volume_leaf(std::move(grid), site.amplitude);
-  const double fade = s.fade > 0 ? s.fade : 0.25 * filler.cell();
+  const double fade = s.fade > 0 ? s.fade : look::fade * filler.cell();
   const field::FunctionPtr control = control_of(site, fade);
-  // Straight up and down as far as the region goes: the volume has its own rock and air there.
+  // The volume has its own rock and air straight up and down as far as the region goes.
   Box3d all = Box3d::everything();
   if (site.region) {
     all = ground.box();

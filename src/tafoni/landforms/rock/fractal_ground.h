@@ -15,18 +15,19 @@ struct FractalGroundSettings {
   double noise = 0.6;       ///< most that a new sample is off, as a share of its distance to the old ones
   double coarse = 0;        ///< metres between the given values, 0 for a quarter of the shorter side
   double spacing = 0;       ///< metres between the finest samples, at most; 0 for the site's own choice
-  double decay = 0.5;       ///< of the noise from level to level
+  double decay = 0.5;       ///< what is left of the noise from level to level
   std::int64_t smooth = 2;  ///< last levels without noise
-  bool detail = true;       ///< the terrain's own detail stays under the noise; else only its coarse shape
-  double fade =
-      0;  ///< metres inside the region's border over which the volume takes over, 0: a quarter of coarse
+  bool detail = true;       ///< whether the terrain's own detail stays under the noise; else only its coarse
+  ///< shape does
+  /// Metres inside the region's border over which the volume takes over; 0 for a quarter of `coarse`.
+  double fade = 0;
   std::vector<volume::Pin> pins;  ///< their radius decides the level
   std::uint64_t seed = 0;
 };
 
 struct FractalGround {
   field::FunctionPtr volume;  ///< over the whole site, before the region
-  Result result;              ///< reshapes; its facts tell of the lattice
+  Result result;              ///< its reshape puts the volume in place; its facts tell of the lattice
 };
 
 FractalGround fractal_ground(const Ground& ground, const FractalGroundSettings& settings, Progress& progress);

@@ -1,3 +1,6 @@
+// Two sets of parallel planes at a random angle: one joint in each cell across a set, at a random place and
+// of a random strength, bent by noise. Noise along it opens some stretches and closes others.
+
 #include "tafoni/landforms/rock/joints.h"
 
 #include <algorithm>
@@ -6,41 +9,54 @@
 
 #include "tafoni/core/random.h"
 #include "tafoni/math/noise.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms::impl {
 namespace {
 
 using std::numbers::pi;
-/// Angle between the two sets: conjugate joints meet at somewhat less than a right angle.
+
+enum class Stream : std::uint64_t { direction = 1 };
+
+/// Chosen by eye; lengths are in spacings of the joints.
+namespace look {
+// Radians between the two sets: conjugate joints meet at somewhat less than a right angle.
 constexpr double between_sets = 1.3;
+// Joints wander from their planes by this, in waves a spacing.
+constexpr double wander = 0.35, wander_scale = 0.7;
+// A joint's place in its cell, and how much it weakens the rock.
+constexpr double nearest = 0.1, farthest = 0.9, weakest = 0.25, strongest = 1.0;
+// How the noise along a joint makes it tight in one stretch and open in the next: gain and loss.
+constexpr double open_gain = 2.5, open_loss = 0.6;
+}  // namespace look
 
 }  // namespace
 
 Joints::Joints(double spacing, double width, std::uint64_t seed) : spacing_(spacing), width_(width) {
-  Random random(seed, 1);
+  Random random(seed, Stream::direction);
   const double first = random.uniform(0, pi);
   for (std::size_t i = 0; i < sets_.size(); ++i) {
-    const double angle = first + between_sets * static_cast<double>(i);
+    const double angle = first + look::between_sets * static_cast<double>(i);
     const Vec3d along{std::cos(angle), std::sin(angle), 0};
     sets_[i] = {{-along.y, along.x, 0}, along, hash_combine(seed, i)};
   }
 }
 
 double Joints::weakness(const Set& set, Vec3d p) const {
-  const double wander = fbm(p * (0.7 / spacing_), 2, set.seed) - 0.5;
-  const double u = dot(p, set.across) / spacing_ + 0.35 * wander;
-  const auto cell = static_cast<std::int64_t>(std::floor(u));
+  const double wander = fbm(p * (look::wander_scale / spacing_), 2, set.seed) - 0.5;
+  const double u = dot(p, set.across) / spacing_ + look::wander * wander;
+  const auto cell = floor_to<std::int64_t>(u);
   double weakest = 0;
   for (std::int64_t c = cell - 1; c <= cell + 1; ++c) {
     Random random(set.seed, static_cast<std::uint64_t>(c));
-    const double at = static_cast<double>(c) + random.uniform(0.1, 0.9);
-    const double strength = random.uniform(0.25, 1.0);
+    const double at = static_cast<double>(c) + random.uniform(look::nearest, look::farthest);
+    const double strength = random.uniform(look::weakest, look::strongest);
     const double d = std::abs(u - at) * spacing_ / width_;
     if (d < 1) weakest = std::max(weakest, strength * (1 - d * d) * (1 - d * d));
   }
   // A joint is tight in one stretch and open in the next.
   const double open = fbm(p * (1.0 / spacing_) + Vec3d{17, 5, 3}, 2, set.seed + 1);
-  return weakest * std::clamp(2.5 * open - 0.6, 0.0, 1.0);
+  return weakest * std::clamp(look::open_gain * open - look::open_loss, 0.0, 1.0);
 }
 
 double Joints::weakness(Vec3d p) const {

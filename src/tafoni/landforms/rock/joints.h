@@ -10,11 +10,12 @@ namespace tafoni::landforms::impl {
 
 class Joints {
  public:
-  /// `spacing`: mean distance between the joints of a set, metres; `width`: half-width of the weak rock.
+  /// `spacing` is the mean distance between the joints of a set, `width` the half-width of the weak rock;
+  /// both are metres.
   Joints(double spacing, double width, std::uint64_t seed);
-  /// 0 in sound rock, up to 1 in the middle of a joint.
+  /// How much joints weaken the rock: 0 where it is sound, up to 1 in the middle of a joint.
   double weakness(Vec3d p) const;
-  /// Unit direction of the set of joints that lies nearest to `wanted` (horizontal).
+  /// The unit direction of the set of joints that lies nearest to `wanted` (horizontal).
   Vec3d along(Vec3d wanted) const;
 
  private:

@@ -26,7 +26,7 @@ class Replacement final : public field::Function {
     for (std::size_t i = 0; i < points.size(); ++i) {
       const float w = weights[i];
       const float a = w < 1 ? before[o++] : 0.0f, b = w > 0 ? after[n++] : 0.0f;
-      // Held between the two, so that rounding does not leave the range.
+      // The mix is held between the two, so that rounding does not leave the range.
       out[i] = w <= 0 ? a : w >= 1 ? b : std::clamp(a + w * (b - a), std::min(a, b), std::max(a, b));
     }
   }

@@ -39,8 +39,8 @@ void RockShape::values(std::span<const Vec3d> points, std::span<float> out) cons
     fbm(places, octaves, texture_.seed, noise);
   }
   for (std::size_t i = 0; i < near.size(); ++i) {
-    const double value = bodies[i] + texture_.relief * (static_cast<double>(rho[i]) - 0.5) +
-                         texture_.unevenness * (2 * static_cast<double>(noise[i]) - 1);
+    const double value =
+        bodies[i] + texture_.relief * (rho[i] - 0.5) + texture_.unevenness * (2 * double{noise[i]} - 1);
     out[near[i]] = static_cast<float>(std::clamp(value, -texture_.amplitude, texture_.amplitude));
   }
 }

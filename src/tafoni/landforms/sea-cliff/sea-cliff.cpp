@@ -18,6 +18,7 @@
 #include "tafoni/landforms/site/surface.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms::landform_sea_cliff {
 namespace {
@@ -40,6 +41,49 @@ enum class Stream : std::uint64_t {
   caves = 0xca,
   step_sizes = 0x100
 };
+/// Streams of the caves' own seed; the first walk of sea_caves has the same number.
+enum class CaveStream : std::uint64_t { bores = 1 };
+
+/// Chosen by eye.
+namespace look {
+// Joints' half-width: in metres at least, and as a share of their spacing.
+constexpr double least_joint = 1.2, joint_width = 0.1;
+// Each step's primitives are so much smaller than the last one's, down to this share of the first step's.
+constexpr double finer = 0.78, finest = 0.4;
+// The normal's z beyond the limit of slope over which ground turns from a platform to a face.
+constexpr double face_rise = 0.22;
+// Share of the stress that a level ceiling is spared: more makes notches that grow inward, not upward.
+constexpr double ceiling = 0.65;
+// Strength of the noise at roughness 1: so much that some primitives vanish and others are more than twice
+// as strong.
+constexpr double unevenness = 3;
+
+// Primitives of a step: their spacing is at most this share of the radius, or notches fall apart into holes;
+// their sizes vary; full effect moves them so far inward, in radii.
+constexpr double notch_spacing = 0.75, notch_small = 0.7, notch_large = 1.3, notch_inward = 0.5;
+// A primitive is lifted off the platform by so many radii at most; the ground is looked for this many radii
+// before the face.
+constexpr double lift = 0.7, lift_before = 0.35;
+// Rock inward of a place is looked at as far as `neck` radii: thinner than `neck_thin` is not cut at all.
+constexpr double neck = 3, neck_thin = 0.9;
+
+// Weathering is finer work than the waves': radius in those of the first step, spacing and the size of
+// uneven patches in its own, sizes; and it reaches this share of the range below the sea level.
+constexpr double weather_radius = 0.4, weather_spacing = 0.5, weather_patch = 2;
+constexpr double weather_small = 0.6, weather_large = 1.4, weather_below = 0.5;
+
+// Caves open within this share of the range of the sea level, in faces that are no steeper ceilings or
+// flatter ledges than this (the normal's z).
+constexpr double cave_band = 0.6;
+constexpr float cave_level = 0.75f;
+// A cave's bore: reach and step of its points in radii of the tube, so that their sum is even along it, and
+// how their sizes vary.
+constexpr double bore_reach = 1.6, bore_step = 0.5, bore_small = 0.85, bore_large = 1.15;
+// Pockets in a cave's wall: how far from its axis and how large, in radii, how far down they look, how strong
+// they are in the softest rock, in amplitudes; harder rock than `pocket_least` gets none.
+constexpr double pocket_near = 0.7, pocket_far = 1.0, pocket_small = 0.35, pocket_large = 0.75;
+constexpr double pocket_down = -0.3, pocket_strength = 4, pocket_least = 0.1;
+}  // namespace look
 
 struct Params : CaveSettings, impl::ShoreSettings {
   double sea_level = 0;
@@ -97,14 +141,14 @@ const ParamTable<Params>& table() {
   return params;
 }
 
-/// Each step has its own.
+/// Each step draws from a stream of its own.
 Stream stream_of(Stream first, std::int64_t step) {
-  return static_cast<Stream>(static_cast<std::uint64_t>(first) + static_cast<std::uint64_t>(step));
+  return static_cast<Stream>(static_cast<std::uint64_t>(first) + step);
 }
 
 /// Steps get finer: later ones etch beds and joints into what the first has cut.
 double scale_of_step(std::int64_t step) {
-  return std::max(0.4, std::pow(0.78, static_cast<double>(step)));
+  return std::max(look::finest, std::pow(look::finer, step));
 }
 
 class SeaCliff {
@@ -112,7 +156,7 @@ class SeaCliff {
   SeaCliff(const Site& site, const Params& p, Progress& progress)
       : p_(p),
         ground_(site),
-        joints_(p.joint_spacing, std::max(1.2, 0.1 * p.joint_spacing),
+        joints_(p.joint_spacing, std::max(look::least_joint, look::joint_width * p.joint_spacing),
                 hash_combine(site.seed, Stream::joints)),
         sea_z_(p.sea_level - site.origin.z),
         gentle_(std::cos(p.slope * std::numbers::pi / 180)),
@@ -147,16 +191,16 @@ class SeaCliff {
   /// grow inward rather than upward.
   double steepness(Vec3f normal) const {
     const double nz = normal.z;
-    return smoothstep(0.0, 0.22, gentle_ - nz) * (nz < 0 ? 1 + 0.65 * nz : 1);
+    return smoothstep(0.0, look::face_rise, gentle_ - nz) * (nz < 0 ? 1 + look::ceiling * nz : 1);
   }
 
-  /// How much of the sea reaches a place, whatever its elevation; none on platforms.
+  /// How much of the sea reaches a place, whatever its elevation; it is 0 on platforms.
   double exposure(const SurfaceSample& at) const {
     const double steep = steepness(at.normal);
     return steep > 0 ? steep * shore_->nearness(at.position) * ground_.weight(at.position) : 0;
   }
 
-  /// sigma = w alpha [Paris19 §6.1], spared where the ground is a platform.
+  /// The stress sigma = w alpha [Paris19 §6.1]; a platform is spared.
   double stress(const SurfaceSample& at) const {
     const double u = (at.position.z - sea_z_) / p_.range;
     if (u * u >= 1) return 0;
@@ -190,9 +234,9 @@ class SeaCliff {
     ground_.resistances(places, rho);
     std::vector<Attack> attacks(points.size());
     parallel_blocks(std::ssize(points), 256, [&](std::int64_t begin, std::int64_t end) {
-      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-        attacks[i] = {points[i], erosion_effect(weaken_by_joints(static_cast<double>(rho[i]), places[i]),
-                                                stress_at(points[i]), beta)};
+      for (std::int64_t i = begin; i < end; ++i)
+        attacks[i] = {points[i],
+                      erosion_effect(weaken_by_joints(rho[i], places[i]), stress_at(points[i]), beta)};
     });
     std::erase_if(attacks, [this](const Attack& a) { return a.effect < p_.threshold; });
     return attacks;
@@ -203,53 +247,52 @@ class SeaCliff {
                       [this](const SurfaceSample& at) { return stress(at); });
   }
 
-  /// Energy of a primitive so that all together take `depth` off a face of effect 1. Dart throwing leaves
-  /// about 0.7 samples a spacing squared, and a primitive on a plane integrates to E pi R^2 / 4 over it.
+  /// Energy of a primitive so that all together take `depth` off a face of effect 1.
   static double share(double depth, double radius, double spacing) {
-    return depth / std::max(1.0, 0.7 * 0.785 * (radius / spacing) * (radius / spacing));
+    return depth / overlap_of_darts(radius, spacing);
   }
 
   /// Uneven rock: noise once a primitive costs nothing beside noise in every primitive's metric.
   double uneven(Vec3d p, double size, Stream stream) const {
     const double t =
         fbm((p + ground_.site().origin) * (1 / size), 3, hash_combine(ground_.site().seed, stream));
-    return std::max(0.0, 1 + 3 * p_.roughness * (2 * t - 1));
+    return std::max(0.0, 1 + look::unevenness * p_.roughness * (2 * t - 1));
   }
 
   /// Frost and rain on the faces above the waves: soft beds recede, hard ones stand out.
   field::NodePtr weather() {
     const field::CompiledField field = field::compile(tree_);
-    const double radius = 0.4 * p_.radius, spacing = 0.5 * radius;
+    const double radius = look::weather_radius * p_.radius, spacing = look::weather_spacing * radius;
     Box3d box = ground_.box();
-    box.lo.z = std::max(box.lo.z, sea_z_ - 0.5 * p_.range);
+    box.lo.z = std::max(box.lo.z, sea_z_ - look::weather_below * p_.range);
     const auto attacks = attacks_on(field, box, spacing, 0, Stream::weathering,
                                     [this](const SurfaceSample& at) { return exposure(at); });
     field::CloudBuilder cloud{field::CloudSettings{}};
     const double energy = share(p_.weathering, radius, spacing);
     Random random(ground_.site().seed, Stream::weathering_sizes);
     for (const Attack& a : attacks) {
-      const double r = radius * random.uniform(0.6, 1.4);
+      const double r = radius * random.uniform(look::weather_small, look::weather_large);
       add_point(cloud, a.at.position, r,
-                -energy * a.effect * uneven(a.at.position, 2 * radius, Stream::weathering_unevenness));
+                -energy * a.effect *
+                    uneven(a.at.position, look::weather_patch * radius, Stream::weathering_unevenness));
     }
     primitives_ += cloud.size();
     return cloud.size() ? cloud.finish() : nullptr;
   }
 
-  /// f at `probes` places for each attack: place(attack, k). body(i, values) gets those of attack i. In
-  /// blocks, since there may be millions of places.
+  /// Evaluates f at `probes` places for each attack, which place(attack, k) says; body(i, values) gets those
+  /// of attack i. The work goes in blocks, since there may be millions of places.
   template <int probes, class Place, class Body>
   static void probe(const field::CompiledField& field, const std::vector<Attack>& attacks, const Place& place,
                     const Body& body) {
     constexpr std::int64_t block = 128;
     parallel_blocks(std::ssize(attacks), block, [&](std::int64_t begin, std::int64_t end) {
       std::vector<Vec3d> points;
-      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      for (std::int64_t i = begin; i < end; ++i)
         for (int k = 0; k < probes; ++k) points.push_back(place(attacks[i], k));
       std::vector<float> values(points.size());
       field.values(points, values);
-      for (std::int64_t i = begin; i < end; ++i)
-        body(static_cast<std::size_t>(i), values.data() + (i - begin) * probes);
+      for (std::int64_t i = begin; i < end; ++i) body(i, values.data() + (i - begin) * probes);
     });
   }
 
@@ -257,12 +300,12 @@ class SeaCliff {
   std::vector<double> lifts(const field::CompiledField& field, const std::vector<Attack>& attacks,
                             double radius) const {
     constexpr int probes = 6;
-    const double want = 0.7 * radius;
+    const double want = look::lift * radius;
     std::vector<double> lift(attacks.size(), 0.0);
     probe<probes>(
         field, attacks,
         [&](const Attack& a, int k) {
-          return a.at.position + to_double(a.at.normal) * (0.35 * radius) -
+          return a.at.position + to_double(a.at.normal) * (look::lift_before * radius) -
                  Vec3d{0, 0, want * (k + 1) / probes};
         },
         [&](std::size_t i, const float* values) {
@@ -281,13 +324,14 @@ class SeaCliff {
     probe<probes>(
         field, attacks,
         [&](const Attack& a, int k) {
-          return a.at.position - horizontal(a.at.normal) * (3 * radius * (k + 1) / probes);
+          return a.at.position - horizontal(a.at.normal) * (look::neck * radius * (k + 1) / probes);
         },
         [&](std::size_t i, const float* values) {
           // The first probe may still lie in the air before a rough face.
           const auto air = std::find_if(values + 1, values + probes, [](float f) { return f <= 0; });
           if (air != values + probes)
-            factor[i] = smoothstep(0.9, 3.0, 3 * static_cast<double>(air - values) / probes);
+            factor[i] = smoothstep(look::neck_thin, look::neck,
+                                   look::neck * static_cast<double>(air - values) / probes);
         });
     return factor;
   }
@@ -299,7 +343,8 @@ class SeaCliff {
   field::NodePtr notch(std::int64_t step) {
     const field::CompiledField field = field::compile(tree_);
     const double scale = scale_of_step(step);
-    const double radius = p_.radius * scale, spacing = std::min(p_.spacing * scale, 0.75 * radius);
+    const double radius = p_.radius * scale,
+                 spacing = std::min(p_.spacing * scale, look::notch_spacing * radius);
     const auto attacks = sea_attacks(field, spacing, stream_of(Stream::steps, step));
     const auto lift = lifts(field, attacks, radius);
     const auto sound = strength(field, attacks, p_.radius);
@@ -308,11 +353,11 @@ class SeaCliff {
     Random random(ground_.site().seed, stream_of(Stream::step_sizes, step));
     for (std::size_t i = 0; i < attacks.size(); ++i) {
       const Attack& a = attacks[i];
-      const double r = radius * random.uniform(0.7, 1.3);
+      const double r = radius * random.uniform(look::notch_small, look::notch_large);
       // Waves drive inward: the sea undercuts even a face that leans back.
       const double effect = a.effect * sound[i];
-      const Vec3d center =
-          a.at.position + Vec3d{0, 0, lift[i]} - horizontal(a.at.normal) * (0.5 * r * std::sqrt(effect));
+      const Vec3d center = a.at.position + Vec3d{0, 0, lift[i]} -
+                           horizontal(a.at.normal) * (look::notch_inward * r * std::sqrt(effect));
       if (effect < p_.threshold || !ground_.usable(center)) continue;
       add_point(cloud, center, r, -energy * effect * uneven(a.at.position, radius, Stream::unevenness));
       strongest_ = std::max(strongest_, a.effect);
@@ -325,7 +370,8 @@ class SeaCliff {
     const field::CompiledField field = field::compile(tree_);
     auto attacks = sea_attacks(field, p_.spacing, Stream::cave_mouths);
     std::erase_if(attacks, [this](const Attack& a) {
-      return std::abs(a.at.position.z - sea_z_) > 0.6 * p_.range || std::abs(a.at.normal.z) > 0.75f;
+      return std::abs(a.at.position.z - sea_z_) > look::cave_band * p_.range ||
+             std::abs(a.at.normal.z) > look::cave_level;
     });
     CaveSettings settings = p_;
     settings.sea_z = sea_z_;
@@ -333,24 +379,25 @@ class SeaCliff {
     made_ = sea_caves(field, ground_, joints_, std::move(attacks), settings, progress_);
     if (made_.tubes.empty()) return nullptr;
     field::CloudBuilder cloud{field::CloudSettings{}};
-    Random random(settings.seed, 1);
+    Random random(settings.seed, CaveStream::bores);
     for (const CaveTube& tube : made_.tubes) bore(cloud, tube, random);
     return cloud.size() ? cloud.finish() : nullptr;
   }
 
   /// A tube as a line of points, unevenly wide, so that its walls are not turned on a lathe.
   void bore(field::CloudBuilder& cloud, const CaveTube& tube, Random& random) {
-    const double reach = 1.6 * tube.radius, step = 0.5 * tube.radius;
+    const double reach = look::bore_reach * tube.radius, step = look::bore_step * tube.radius;
     const double energy = tube_energy(ground_.site().amplitude, tube.radius, reach, step);
     const double span = length(tube.to - tube.from);
-    const int n = std::max(1, static_cast<int>(std::lround(span / step)));
+    const int n = std::max(1, round_to(span / step));
     for (int i = 0; i < n; ++i) {
       const double wobble = p_.roughness * tube.radius;
       const Vec3d jitter{random.uniform(-wobble, wobble), random.uniform(-wobble, wobble),
                          random.uniform(-wobble, wobble)};
       const Vec3d at = tube.from + (tube.to - tube.from) * ((i + 0.5) / n) + jitter;
       if (!ground_.usable(at)) continue;
-      add_point(cloud, at, reach * random.uniform(0.85, 1.15), -energy * span / (n * step));
+      add_point(cloud, at, reach * random.uniform(look::bore_small, look::bore_large),
+                -energy * span / (n * step));
       ++primitives_;
       pocket(cloud, at, tube.radius, random);
     }
@@ -358,12 +405,13 @@ class SeaCliff {
 
   /// The walls of caves recede where the bed is soft.
   void pocket(field::CloudBuilder& cloud, Vec3d at, double radius, Random& random) {
-    const Vec3d d = normalized(Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-0.3, 1)});
-    const Vec3d wall = at + d * (radius * random.uniform(0.7, 1.0));
+    const Vec3d d =
+        normalized(Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(look::pocket_down, 1)});
+    const Vec3d wall = at + d * (radius * random.uniform(look::pocket_near, look::pocket_far));
     const double soft = 1 - resistance(wall);
-    if (soft < 0.1 || !ground_.usable(wall)) return;
-    add_point(cloud, wall, radius * random.uniform(0.35, 0.75),
-              -4 * p_.roughness * ground_.site().amplitude * soft);
+    if (soft < look::pocket_least || !ground_.usable(wall)) return;
+    add_point(cloud, wall, radius * random.uniform(look::pocket_small, look::pocket_large),
+              -look::pocket_strength * p_.roughness * ground_.site().amplitude * soft);
     ++primitives_;
   }
 

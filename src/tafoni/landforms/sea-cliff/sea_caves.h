@@ -18,9 +18,9 @@ struct Attack {
 };
 
 struct CaveSettings {
-  double cave_spacing = 45;  ///< least distance between mouths, metres
-  double cave_length = 25;   ///< of a cave where rock is weakest, metres
-  double cave_radius = 2.5;  ///< of the open passage, metres
+  double cave_spacing = 45;  ///< metres between mouths, at least
+  double cave_length = 25;   ///< metres, of a cave where rock is weakest
+  double cave_radius = 2.5;  ///< metres, of the open passage
   double joints = 0.7;       ///< share by which a joint weakens the rock
   double sea_z = 0;          ///< local, metres
   std::uint64_t seed = 0;
@@ -38,8 +38,8 @@ struct SeaCaves {
   double length = 0;  ///< metres of passage
 };
 
-/// Starts at the most strongly attacked places and follows the least resistance inward. `field` is the
-/// notched cliff.
+/// Caves that start at the most strongly attacked places and follow the least resistance inward. `field` is
+/// the notched cliff.
 SeaCaves sea_caves(const field::CompiledField& field, const Ground& ground, const Joints& joints,
                    std::vector<Attack> attacks, const CaveSettings& settings, Progress& progress);
 

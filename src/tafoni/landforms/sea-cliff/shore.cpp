@@ -1,3 +1,6 @@
+// The sea's reach as two rasters, read at the nearest pixel: the signed distance to open water, and the
+// accessibility of the strip of ground that the sea can reach, each pixel the best of its neighbours.
+
 #include "tafoni/landforms/sea-cliff/shore.h"
 
 #include <algorithm>
@@ -5,16 +8,28 @@
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/raster/distance.h"
 #include "tafoni/terrain/analysis.h"
 
 namespace tafoni::landforms::impl {
 namespace {
 
+/// Chosen by eye.
+namespace look {
+// The best accessibility within this share of its radius counts, so that the foot of a straight cliff is no
+// sheltered nook; in pixels so many at most, for the work grows with their square.
+constexpr double lee = 0.25;
+constexpr int lee_pixels = 6;
+// The share of the reach from which the sea's effect falls off.
+constexpr double full_reach = 0.6;
+}  // namespace look
+
+/// The value of the pixel nearest to a place.
 float nearest(const raster::Raster& raster, Vec3d p) {
   const Vec2d at = raster.placement.pixel(p.x, p.y);
-  return raster.values.at(std::clamp(static_cast<int>(std::lround(at.x)), 0, raster.width() - 1),
-                          std::clamp(static_cast<int>(std::lround(at.y)), 0, raster.height() - 1));
+  return raster.values.at(std::clamp(round_to(at.x), 0, raster.width() - 1),
+                          std::clamp(round_to(at.y), 0, raster.height() - 1));
 }
 
 }  // namespace
@@ -22,14 +37,14 @@ float nearest(const raster::Raster& raster, Vec3d p) {
 Shore::Shore(const Ground& ground, const ShoreSettings& settings, double sea_z, Progress& progress)
     : ground_(ground), s_(settings), water_(water_distance(sea_z, progress)), open_(exposure(progress)) {}
 
-/// Accessibility [Miller94], the best within a few metres: the foot of a straight cliff is no sheltered nook.
+/// Accessibility [Miller94], the best within a few metres.
 raster::Raster Shore::exposure(Progress& progress) const {
   const raster::Raster& heights = *ground_.site().heights;
   raster::Raster open;
   open.placement = heights.placement;
   if (s_.accessibility <= 0) return open;
   const int reach =
-      std::clamp(static_cast<int>(std::lround(0.25 * s_.accessibility_radius / ground_.pixel())), 0, 6);
+      std::clamp(round_to(look::lee * s_.accessibility_radius / ground_.pixel()), 0, look::lee_pixels);
   const auto wanted = strip(reach + 2);
   const auto grid = terrain::accessibility(heights, {s_.accessibility_radius, &wanted}, progress);
   open.values = raster::Grid<float>(grid.width(), grid.height());
@@ -83,7 +98,7 @@ double Shore::accessibility(Vec3d p) const {
 double Shore::nearness(Vec3d p) const {
   return water_.values.empty()
              ? 1
-             : 1 - smoothstep(0.6 * s_.reach, s_.reach, static_cast<double>(std::abs(nearest(water_, p))));
+             : 1 - smoothstep(look::full_reach * s_.reach, s_.reach, double{std::abs(nearest(water_, p))});
 }
 
 bool Shore::may_reach(Vec3d p, double around) const {

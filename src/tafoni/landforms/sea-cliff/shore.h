@@ -15,12 +15,12 @@ struct ShoreSettings {
 
 class Shore {
  public:
-  /// `sea_z`: local z of the sea level.
+  /// `sea_z` is the local z of the sea level.
   Shore(const Ground& ground, const ShoreSettings& settings, double sea_z, Progress& progress);
 
-  /// 1 near the shoreline, 0 beyond its reach.
+  /// How strongly the sea acts at a place for its distance alone: 1 near the shoreline, 0 beyond its reach.
   double nearness(Vec3d p) const;
-  /// 1 in the open, less in sheltered places.
+  /// How freely waves come to a place: 1 in the open, less in sheltered places.
   double accessibility(Vec3d p) const;
   /// False only where nothing within `around` metres of p is near the sea.
   bool may_reach(Vec3d p, double around) const;

@@ -1,14 +1,19 @@
+// A region's weight as a field. Each part (box, polygon, mask) is a factor with a range over any box, so that
+// the product is exactly 0, and known to be, wherever one part is; masks keep a coarse raster of the least
+// and greatest value of each tile for that.
+
 #include "tafoni/landforms/site/control.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms::impl {
 namespace {
 
-/// From the distance inside a limit, negative outside.
+/// The weight at a distance inside a limit; the distance is negative outside.
 double rise(double inside, double fade) {
   if (!(inside >= 0)) return 0;
   return fade > 0 ? smoothstep(0.0, fade, inside) : 1;
@@ -50,7 +55,7 @@ class OutlineControl final : public Control {
     if (!outline_->inside({p.x, p.y})) return 0;
     return fade_ > 0 ? rise(outline_->distance({p.x, p.y}, fade_), fade_) : 1;
   }
-  /// A distance changes by no more than one goes.
+  /// The distance at the box's centre tells: elsewhere in the box it differs by no more than one goes.
   Range over(const Box3d& box) const override {
     const Vec3d c = box.center();
     const double around = 0.5 * std::hypot(box.hi.x - box.lo.x, box.hi.y - box.lo.y);
@@ -68,18 +73,18 @@ class OutlineControl final : public Control {
   double fade_;
 };
 
-constexpr int tile = 16;
+constexpr int tile = 16;  // pixels a side
 
 void include(Range& range, double value) {
   range = {std::min(range.lo, value), std::max(range.hi, value)};
 }
 
 double mix(float a, float b, double t) {
-  return static_cast<double>(a) + (static_cast<double>(b) - static_cast<double>(a)) * t;
+  return a + (double{b} - a) * t;
 }
 
 int pixel(double at, int count) {
-  return static_cast<int>(std::clamp(at, 0.0, count - 1.0));
+  return floor_to(std::clamp(at, 0.0, count - 1.0));
 }
 
 class MaskControl final : public Control {
@@ -148,14 +153,14 @@ RangedRaster::RangedRaster(raster::Grid<float> values, const raster::Placement& 
   tiles_ = raster::Grid<Range>(across, down, Range{1e300, -1e300});
   for (int row = 0; row < values_.height(); ++row)
     for (int col = 0; col < values_.width(); ++col)
-      include(tiles_.at(col / tile, row / tile), static_cast<double>(values_.at(col, row)));
+      include(tiles_.at(col / tile, row / tile), values_.at(col, row));
 }
 
 double RangedRaster::at(Vec3d p) const {
   const Vec2d at = placement_.pixel(p.x, p.y);
   const double x = std::clamp(at.x, 0.0, values_.width() - 1.0);
   const double y = std::clamp(at.y, 0.0, values_.height() - 1.0);
-  const int col = static_cast<int>(x), row = static_cast<int>(y);
+  const int col = floor_to(x), row = floor_to(y);
   const int right = std::min(col + 1, values_.width() - 1), below = std::min(row + 1, values_.height() - 1);
   const double u = x - col, v = y - row;
   const double top = mix(values_.at(col, row), values_.at(right, row), u);
@@ -176,7 +181,7 @@ Range RangedRaster::over(const Box3d& box) const {
       }
   } else {
     for (int row = top; row <= bottom; ++row)
-      for (int col = left; col <= right; ++col) include(range, static_cast<double>(values_.at(col, row)));
+      for (int col = left; col <= right; ++col) include(range, values_.at(col, row));
   }
   return range;
 }

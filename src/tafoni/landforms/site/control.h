@@ -14,7 +14,8 @@ struct Range {
   double lo, hi;
 };
 
-/// A raster between its pixels' centres, bilinear, the nearest continued outside; and its ranges over boxes.
+/// A raster that is bilinear between its pixels' centres, is continued outside by the nearest pixel, and
+/// knows its ranges over boxes.
 class RangedRaster {
  public:
   /// Values must be finite.
@@ -36,15 +37,15 @@ class Control {
 };
 using ControlPtr = std::unique_ptr<const Control>;
 
-/// 1 from `fade` metres inside the box on, 0 outside; limits may be infinite.
+/// A control that is 0 outside of the box and 1 from `fade` metres inside of it on; limits may be infinite.
 ControlPtr box_control(const Box3d& box, double fade);
-/// Likewise for a polygon, by the distance to its rings.
+/// The same for a polygon, by the distance to its rings.
 ControlPtr outline_control(std::shared_ptr<const Outline> outline, double fade);
-/// Values between the pixels' centres, clamped to [0, 1]. Pixels without data count as 0, and so do their
-/// neighbours, so that nothing is left of the mask where the nearest pixel has no data.
+/// The mask's values, bilinear between the pixels' centres and clamped to [0, 1]. Pixels without data count
+/// as 0, and so do their neighbours, so that nothing is left of the mask where the nearest pixel has no data.
 ControlPtr mask_control(const raster::Raster& mask);
 
-/// 1 for no parts at all.
+/// The product of all parts; 1 for none at all.
 field::FunctionPtr product(std::vector<ControlPtr> parts);
 
 }  // namespace tafoni::landforms::impl

@@ -1,8 +1,12 @@
+// The site as its generators see it: the box in which they may act, from the raster's outline, the surface's
+// heights and the region's limits; and whether a place lies on real data, off the border and in the region.
+
 #include "tafoni/landforms/site/ground.h"
 
 #include <algorithm>
 #include <limits>
 
+#include "tafoni/math/whole.h"
 #include "tafoni/raster/resample.h"
 
 namespace tafoni::landforms::impl {
@@ -14,10 +18,9 @@ Box3d outline_of(const Site& site) {
   const auto [lo, hi] = std::minmax_element(heights.values.values().begin(), heights.values.values().end());
   // Earlier layers may have put rock above the heights: islands, towers.
   const Box3d surface = field::compile(site.terrain).bounds();
-  return {{at.west, at.north - at.dy * heights.height(),
-           std::min(surface.lo.z, static_cast<double>(*lo)) - site.influence},
-          {at.west + at.dx * heights.width(), at.north,
-           std::max(surface.hi.z, static_cast<double>(*hi)) + site.influence}};
+  return {
+      {at.west, at.north - at.dy * heights.height(), std::min(surface.lo.z, double{*lo}) - site.influence},
+      {at.west + at.dx * heights.width(), at.north, std::max(surface.hi.z, double{*hi}) + site.influence}};
 }
 
 }  // namespace
@@ -39,8 +42,8 @@ bool Ground::on_data(double x, double y) const {
   if (x < outline_.lo.x || x > outline_.hi.x || y < outline_.lo.y || y > outline_.hi.y) return false;
   if (!site_.valid) return true;
   const Vec2d at = site_.heights->placement.pixel(x, y);
-  return site_.valid->at(std::clamp(static_cast<int>(std::lround(at.x)), 0, site_.valid->width() - 1),
-                         std::clamp(static_cast<int>(std::lround(at.y)), 0, site_.valid->height() - 1)) != 0;
+  return site_.valid->at(std::clamp(round_to(at.x), 0, site_.valid->width() - 1),
+                         std::clamp(round_to(at.y), 0, site_.valid->height() - 1)) != 0;
 }
 
 bool Ground::usable(Vec3d p) const {

@@ -18,9 +18,9 @@ class Ground {
   /// nothing is left.
   const Box3d& box() const { return box_; }
   double pixel() const { return pixel_; }
-  /// Inside the raster, on real data, and in the region.
+  /// Whether a place is inside the raster, on real data, and in the region.
   bool usable(Vec3d p) const;
-  /// The same, and farther than `margin` from the raster's outline and from missing data.
+  /// Whether it also is farther than `margin` from the raster's outline and from missing data.
   bool usable(Vec3d p, double margin) const;
   /// The region's weight; 1 without a region.
   double weight(Vec3d p) const;

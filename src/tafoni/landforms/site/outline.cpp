@@ -1,3 +1,6 @@
+// A polygon's edges in a tree of bounding rectangles, halved by the median of the longer side. Being inside
+// is a count of crossings, distance a search that leaves out what lies farther away than the best so far.
+
 #include "tafoni/landforms/site/outline.h"
 
 #include <algorithm>
@@ -7,7 +10,7 @@
 namespace tafoni::landforms::impl {
 namespace {
 
-constexpr std::uint32_t leaf = 8;
+constexpr std::uint32_t leaf = 8;  // edges that are not parted further
 /// Spans are halved, so 32 levels hold all that 32 bits can number; a walk keeps one span a level.
 constexpr std::size_t levels = 40;
 
@@ -32,7 +35,7 @@ void Outline::build(std::uint32_t begin, std::uint32_t end) {
   if (end - begin <= leaf) return;
   const bool by_x = span.hi.x - span.lo.x > span.hi.y - span.lo.y;
   const std::uint32_t middle = begin + (end - begin) / 2;
-  const auto at = [&](std::uint32_t i) { return edges_.begin() + static_cast<std::ptrdiff_t>(i); };
+  const auto at = [&](std::uint32_t i) { return edges_.begin() + i; };
   std::nth_element(at(begin), at(middle), at(end), [by_x](const Edge& a, const Edge& b) {
     return by_x ? a.a.x + a.b.x < b.a.x + b.b.x : a.a.y + a.b.y < b.a.y + b.b.y;
   });

@@ -14,9 +14,9 @@ class Outline {
 
   /// By the even-odd rule over all rings together, so that a hole is just another ring.
   bool inside(Vec2d p) const;
-  /// To the nearest ring, metres; `most` when it is not nearer than that.
+  /// Metres to the nearest ring; `most` when it is not nearer than that.
   double distance(Vec2d p, double most) const;
-  /// Of the vertices, in x and y; empty when there are none.
+  /// The vertices' box in x and y; empty when there are none.
   Box3d bounds() const;
 
  private:

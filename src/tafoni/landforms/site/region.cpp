@@ -1,3 +1,6 @@
+// Regions: lists of altitude ranges, boxes, polygons and masks, all of which must hold. Their weight at a
+// place is the product of the masks' values; as a control field each part also fades in from its own limit.
+
 #include "tafoni/landforms/site/region.h"
 
 #include <algorithm>

@@ -10,7 +10,7 @@
 
 namespace tafoni::landforms {
 
-/// A closed ring of a polygon; holes and islands by the even-odd rule. Local metres.
+/// A closed ring of a polygon in local metres. Holes and islands follow by the even-odd rule.
 using Ring = std::vector<Vec2d>;
 
 namespace impl {
@@ -20,21 +20,21 @@ class Region;
 
 /// A region's weight as a control field in [0, 1], continuous for fade > 0: it rises from 0 at altitude
 /// limits, boxes, rings, the rim of a mask and its pixels without data to the weight of the masks `fade`
-/// metres inside them. Exactly 0 wherever the weight is 0; range() says so of whole boxes. Null for a null
-/// region.
+/// metres inside them. It is exactly 0 wherever the weight is 0, and range() says so of whole boxes. Null for
+/// a null region.
 field::FunctionPtr as_function(const Region* region, double fade);
 
-/// The intersection of the parts that are given. Weight in [0, 1]: 0 outside.
+/// The intersection of the parts that are given, with a weight in [0, 1] that is 0 outside.
 class Region {
  public:
   void limit_altitude(double lo, double hi);  ///< local z
   void limit_box(const Box3d& box);           ///< local
   void limit_polygon(const std::vector<Ring>& rings);
-  void limit_mask(
-      std::shared_ptr<const raster::Raster> mask);  ///< bilinear; values clamped to [0, 1]; NaN: 0
+  /// The mask is bilinear, its values are clamped to [0, 1], and NaN counts as 0.
+  void limit_mask(std::shared_ptr<const raster::Raster> mask);
   double weight(Vec3d p) const;
   bool contains(Vec3d p) const { return weight(p) > 0; }
-  /// Encloses the region in x and y; infinite where not limited.
+  /// A box that encloses the region; infinite where it is not limited.
   Box3d bounds() const;
 
  private:

@@ -1,17 +1,23 @@
 #pragma once
-// Points in space hashed by cell, for Poisson-sphere tests: constant time an insertion and a query.
+// Points in space hashed by cell, for Poisson-sphere tests: an open-addressed table of cells, each the head
+// of a list of its points. An insertion and a query take constant time.
 
-#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "tafoni/core/random.h"
 #include "tafoni/math/vec.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms {
 
-/// Grows as points come. Positions up to 2^31 cells from zero. Queries of a radius up to half a cell look
-/// into 8 cells at most.
+/// A number for a cell of a lattice, to be mixed further.
+inline std::uint64_t key_of_cell(std::int64_t x, std::int64_t y, std::int64_t z) {
+  return x * 0x9e3779b97f4a7c15ull ^ y * 0xc2b2ae3d27d4eb4full ^ z * 0x165667b19e3779f9ull;
+}
+
+/// It grows as points come, which may lie up to 2^31 cells from zero. Queries of a radius up to half a cell
+/// look into 8 cells at most.
 class SpatialHash {
  public:
   explicit SpatialHash(double cell, std::size_t expected = 64) : scale_(1 / cell) {
@@ -38,7 +44,8 @@ class SpatialHash {
     return id;
   }
 
-  /// visit(id, squared distance) for every point nearer than `radius`, until it returns true; whether it did.
+  /// Calls visit(id, squared distance) for every point nearer than `radius`, until it returns true; returns
+  /// whether it did.
   template <class F>
   bool near(Vec3d p, double radius, F&& visit) const {
     const Vec3d r{radius, radius, radius};
@@ -71,15 +78,10 @@ class SpatialHash {
   };
 
   Cell cell_of(Vec3d p) const {
-    return {static_cast<std::int32_t>(std::floor(p.x * scale_)),
-            static_cast<std::int32_t>(std::floor(p.y * scale_)),
-            static_cast<std::int32_t>(std::floor(p.z * scale_))};
+    return {floor_to(p.x * scale_), floor_to(p.y * scale_), floor_to(p.z * scale_)};
   }
   std::size_t find(Cell c) const {
-    const std::uint64_t key = static_cast<std::uint64_t>(c.x) * 0x9e3779b97f4a7c15ull ^
-                              static_cast<std::uint64_t>(c.y) * 0xc2b2ae3d27d4eb4full ^
-                              static_cast<std::uint64_t>(c.z) * 0x165667b19e3779f9ull;
-    std::size_t i = mix64(key) & (slots_.size() - 1);
+    std::size_t i = mix64(key_of_cell(c.x, c.y, c.z)) & (slots_.size() - 1);
     while (slots_[i].head != none && !(slots_[i].cell == c)) i = (i + 1) & (slots_.size() - 1);
     return i;
   }

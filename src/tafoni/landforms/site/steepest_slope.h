@@ -13,13 +13,9 @@ inline double steepest_slope(const raster::Raster& heights) {
   double most = 0;
   for (int row = 0; row < heights.height(); ++row)
     for (int col = 0; col < heights.width(); ++col) {
-      const auto z = static_cast<double>(heights.values.at(col, row));
-      if (col > 0)
-        most = std::max(
-            most, std::abs(z - static_cast<double>(heights.values.at(col - 1, row))) / heights.placement.dx);
-      if (row > 0)
-        most = std::max(
-            most, std::abs(z - static_cast<double>(heights.values.at(col, row - 1))) / heights.placement.dy);
+      const double z = heights.at(col, row);
+      if (col > 0) most = std::max(most, std::abs(z - heights.at(col - 1, row)) / heights.placement.dx);
+      if (row > 0) most = std::max(most, std::abs(z - heights.at(col, row - 1)) / heights.placement.dy);
     }
   return 2 * most;
 }

@@ -1,3 +1,7 @@
+// Blue noise on an implicit surface: in each lattice cell that the surface cuts, a jittered candidate goes to
+// the cell's interpolated zero; by rising random priority, candidates are projected by Newton steps and kept
+// where no kept sample is near. Columns of chunks are worked on in parallel by the colours of a checkerboard.
+
 #include "tafoni/landforms/site/surface.h"
 
 #include <algorithm>
@@ -10,6 +14,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/field/chunks.h"
 #include "tafoni/landforms/site/spatial_hash.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms {
 namespace {
@@ -24,10 +29,11 @@ struct Sample {
   std::uint64_t priority;
 };
 
-constexpr int newton_steps = 4;
-constexpr double stray = 3;  ///< a sample lies at most this many cells from the cell it was drawn in
+constexpr int newton_steps = 4;      ///< a candidate that has not arrived by then is given up
+constexpr double arrived_at = 0.01;  ///< spacings from the surface that count as on it
+constexpr double stray = 3;          ///< a sample lies at most this many cells from the cell it was drawn in
 
-/// All candidates of one column of chunks.
+/// Finds all candidates of one column of chunks.
 class ColumnSampler {
  public:
   ColumnSampler(const field::CompiledField& field, const SurfaceSampling& settings, double voxel)
@@ -39,8 +45,8 @@ class ColumnSampler {
                  {(a + 1) * chunk, (b + 1) * chunk, settings_.box.hi.z}};
     if (refused(column)) return {};
     const auto range = evaluator_.column(a, b);
-    const int first = std::max(range.first, static_cast<int>(std::floor(settings_.box.lo.z / chunk)));
-    const int last = std::min(range.last, static_cast<int>(std::floor(settings_.box.hi.z / chunk)));
+    const int first = std::max(range.first, floor_to(settings_.box.lo.z / chunk));
+    const int last = std::min(range.last, floor_to(settings_.box.hi.z / chunk));
     for (int c = first; c <= last; ++c) {
       progress.check();
       column.lo.z = c * chunk;
@@ -76,13 +82,13 @@ class ColumnSampler {
     constexpr int n = field::brick_cells;
     const Box3d brick{corner(bx * n, by * n, bz * n), corner((bx + 1) * n, (by + 1) * n, (bz + 1) * n)};
     if (!settings_.box.overlaps(brick.grown(voxel_)) || refused(brick)) return;
-    // Bit i of solid[k][j]: the sample is rock. A cell is cut where its eight corners differ.
+    // Bit i of solid[k][j] tells whether the sample is rock. A cell is cut where its eight corners differ.
     unsigned solid[n + 1][n + 1];
     for (int k = 0; k <= n; ++k)
       for (int j = 0; j <= n; ++j) {
         solid[k][j] = 0;
         for (int i = 0; i <= n; ++i)
-          solid[k][j] |= static_cast<unsigned>(samples_.at(bx * n + i, by * n + j, bz * n + k) > 0) << i;
+          solid[k][j] |= unsigned{samples_.at(bx * n + i, by * n + j, bz * n + k) > 0} << i;
       }
     for (int k = 0; k < n; ++k)
       for (int j = 0; j < n; ++j) {
@@ -98,9 +104,7 @@ class ColumnSampler {
     const Box3d box{lo, lo + Vec3d{voxel_, voxel_, voxel_}};
     if (!settings_.box.overlaps(box.grown(voxel_)) || refused(box)) return;
     const auto at = cell(i, j, k);
-    Random random(settings_.seed, static_cast<std::uint64_t>(at.x) * 0x9e3779b97f4a7c15ull ^
-                                      static_cast<std::uint64_t>(at.y) * 0xc2b2ae3d27d4eb4full ^
-                                      static_cast<std::uint64_t>(at.z) * 0x165667b19e3779f9ull);
+    Random random(settings_.seed, key_of_cell(at.x, at.y, at.z));
     float f[8];
     for (int corner = 0; corner < 8; ++corner)
       f[corner] = samples_.at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2));
@@ -111,19 +115,17 @@ class ColumnSampler {
     result_.push_back({shown.position, random.next()});
   }
 
-  /// Two Newton steps towards the zero of the cell's trilinear interpolant with its mean gradient, per cell,
-  /// which is returned. `u` in cells from the cell's low corner.
+  /// Takes two Newton steps towards the zero of the cell's trilinear interpolant with its mean gradient,
+  /// which it returns, per cell; `u` is in cells from the cell's low corner.
   static Vec3d approach(const float (&f)[8], Vec3d& u) {
-    const auto d = [&](int a, int b) { return static_cast<double>(f[a] - f[b]); };
+    const auto d = [&](int a, int b) { return double{f[a] - f[b]}; };
     const Vec3d g = Vec3d{d(1, 0) + d(3, 2) + d(5, 4) + d(7, 6), d(2, 0) + d(3, 1) + d(6, 4) + d(7, 5),
                           d(4, 0) + d(5, 1) + d(6, 2) + d(7, 3)} *
                     0.25;
     const double slope2 = dot(g, g);
     if (slope2 < 1e-12) return {0, 0, -1};
     const auto mix = [](double a, double b, double t) { return a + (b - a) * t; };
-    const auto along_x = [&](int a) {
-      return mix(static_cast<double>(f[a]), static_cast<double>(f[a + 1]), u.x);
-    };
+    const auto along_x = [&](int a) { return mix(f[a], f[a + 1], u.x); };
     for (int step = 0; step < 2; ++step) {
       const double value = mix(mix(along_x(0), along_x(2), u.y), mix(along_x(4), along_x(6), u.y), u.z);
       u += g * (-value / slope2);
@@ -139,7 +141,8 @@ class ColumnSampler {
   std::vector<Candidate> result_;
 };
 
-/// Newton steps along the gradient; keeps what arrives near where it began and is accepted, in order.
+/// Moves candidates to the surface by Newton steps along the gradient; returns those that arrive near where
+/// they began and are accepted, in order.
 std::vector<Sample> project(const field::CompiledField& field, const SurfaceSampling& settings, double voxel,
                             std::span<const Candidate> candidates) {
   std::vector<Vec3d> points;
@@ -158,8 +161,8 @@ std::vector<Sample> project(const field::CompiledField& field, const SurfaceSamp
     std::size_t left = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3d g = to_double(gradients[i]);
-      const double f = static_cast<double>(values[i]), slope = length(g);
-      if (std::abs(f) < 0.01 * settings.spacing * slope) {
+      const double f = values[i], slope = length(g);
+      if (std::abs(f) < arrived_at * settings.spacing * slope) {
         const Vec3d moved = points[i] - candidates[which[i]].position;
         if (dot(moved, moved) <= (stray - 1) * (stray - 1) * voxel * voxel)
           arrived.emplace_back(which[i], SurfaceSample{points[i], to_float(g * (-1 / slope))});
@@ -196,7 +199,7 @@ class DartBoard {
         voxel_(voxel),
         first_(first),
         size_(size),
-        kept_(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y)) {}
+        kept_(std::size_t{1} * size.x * size.y) {}
 
   std::vector<SurfaceSample> run(Progress& progress) {
     progress.begin("sampling the surface", kept_.size(), "tiles");
@@ -215,9 +218,7 @@ class DartBoard {
   }
 
  private:
-  std::size_t index(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.x) + static_cast<std::size_t>(x);
-  }
+  std::size_t index(int x, int y) const { return std::size_t{1} * y * size_.x + x; }
 
   void column(int x, int y, Progress& progress) {
     ColumnSampler sampler(field_, settings_, voxel_);
@@ -228,7 +229,8 @@ class DartBoard {
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const Candidate& a, const Candidate& b) { return a.priority < b.priority; });
     std::vector<Sample>& kept = kept_[index(x, y)];
-    // In rounds: most candidates of the later ones lie beside a sample already and need no projecting.
+    // The work goes in rounds, as most candidates of the later ones lie beside a sample already and need no
+    // projecting.
     const std::span<const Candidate> all(candidates);
     std::vector<Candidate> round;
     for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
@@ -245,8 +247,8 @@ class DartBoard {
     kept.shrink_to_fit();
   }
 
-  /// What neighbours have accepted within reach of the column's candidates, which may lie two cells outside
-  /// it.
+  /// Adds what neighbours have accepted within reach of the column's candidates, which may lie two cells
+  /// outside it.
   void add_neighbours(int x, int y, SpatialHash& hash) const {
     const double side = voxel_ * field::chunk_cells, reach = settings_.spacing + stray * voxel_;
     const double west = (first_.x + x) * side - reach, south = (first_.y + y) * side - reach;
@@ -259,7 +261,7 @@ class DartBoard {
         }
   }
 
-  /// By priority, so that every prefix is spread over the whole region.
+  /// All samples by priority, so that every prefix is spread over the whole region.
   std::vector<SurfaceSample> gather() {
     std::vector<Sample> all;
     for (auto& part : kept_) {
@@ -300,8 +302,7 @@ std::vector<SurfaceSample> sample_surface(const field::CompiledField& field, con
     fail(ErrorKind::usage,
          "a spacing of {} m is too small for a region of {:.0f} by {:.0f} m; choose a larger one",
          settings.spacing, settings.box.size().x, settings.box.size().y);
-  const auto whole = [](double v) { return static_cast<int>(v); };
-  return DartBoard(field, settings, voxel, {whole(a0), whole(b0)}, {whole(across), whole(along)})
+  return DartBoard(field, settings, voxel, {floor_to(a0), floor_to(b0)}, {floor_to(across), floor_to(along)})
       .run(progress);
 }
 

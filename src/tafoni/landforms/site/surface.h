@@ -21,18 +21,18 @@ struct SurfaceSampling {
   Box3d box;           ///< local, finite; only surface in it is sampled
   std::uint64_t seed = 0;
   /// Refuses whole pieces of space before anything is projected, from 64 cells of half the spacing down to
-  /// one; null: none. Given a piece's centre and how far from it a sample may lie; false only where no sample
-  /// would be accepted. Called from many threads.
+  /// one; null refuses none. It is given a piece's centre and how far from it a sample may lie, is false only
+  /// where no sample would be accepted, and is called from many threads.
   std::function<bool(Vec3d center, double around)> maybe;
-  /// Whether a place may hold a sample; null: all may. Asked of every candidate as a lattice of half the
-  /// spacing shows the surface, and of samples again. Called from many threads.
+  /// Whether a place may hold a sample; null lets all. It is asked of every candidate as a lattice of half
+  /// the spacing shows the surface, and of samples again, from many threads.
   std::function<bool(const SurfaceSample&)> accept;
 };
 
-/// Blue noise on f = 0 [Paris19 §6.1]: jittered candidates in every lattice cell that the
-/// surface cuts, projected along the gradient, thinned by dart throwing in an order that depends on the seed
-/// alone. Returned in random order, so that every prefix is spread over the whole too. Throws Error{usage}
-/// for a spacing so small that the box has more than 2^22 lattice columns of 64 x 64 cells.
+/// Makes blue noise on f = 0 [Paris19 §6.1]: jittered candidates in every lattice cell that the surface cuts
+/// are projected along the gradient and thinned by dart throwing in an order that depends on the seed alone.
+/// They come in random order, so that every prefix is spread over the whole too. Throws Error{usage} for a
+/// spacing so small that the box has more than 2^22 lattice columns of 64 x 64 cells.
 std::vector<SurfaceSample> sample_surface(const field::CompiledField& field, const SurfaceSampling& settings,
                                           Progress& progress = silent());
 

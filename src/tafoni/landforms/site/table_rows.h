@@ -11,10 +11,11 @@ namespace tafoni::landforms::impl {
 
 /// The number in a column; none where it is empty.
 std::optional<double> number_in(const Row& row, std::string_view column);
-/// The same, of a column that must not be empty. Throws Error{usage}: "WHERE: it needs COLUMN".
+/// The number in a column that must not be empty. Throws Error{usage}: "WHERE: it needs COLUMN".
 double required_number_in(const Row& row, std::string_view column, std::string_view where);
-/// Likewise three numbers.
+/// The three numbers in a column that must not be empty, likewise.
 Vec3d point_in(const Row& row, std::string_view column, std::string_view where);
+/// The text in a column without the blanks around it; empty where there is none.
 std::string_view text_in(const Row& row, std::string_view column);
 
 }  // namespace tafoni::landforms::impl

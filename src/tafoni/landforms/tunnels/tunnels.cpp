@@ -15,6 +15,21 @@ namespace {
 
 using impl::Ground;
 
+/// Chosen by eye; lengths are in radii of the tunnels.
+namespace look {
+// Two mouths make a tunnel where they are so far apart and look away from each other, out of a hill that they
+// have on both sides, by at least this cosine.
+constexpr double least_length = 12, through_hill = 0.5;
+// So many pairs of mouths are tried in all.
+constexpr int tries = 4000;
+// Mouths so near to one that is in use stay shut; farther off where a tunnel has no other end.
+constexpr double apart = 6, apart_blind = 12;
+// How far a tunnel goes into a slope that it does not come out of.
+constexpr double blind = 20;
+// Longest tunnel whose ends are given: its axis is one of points.
+constexpr double longest = 1e6;
+}  // namespace look
+
 struct Params : impl::HollowParams, impl::TunnelParams {
   std::int64_t count = 3;
   double slope = 27;
@@ -49,22 +64,21 @@ const ParamTable<Params>& table() {
   return params;
 }
 
-/// Between ends that the user chose.
+/// Digs tunnels between ends that the user chose.
 void dig_given(const Ground& ground, const Params& p, impl::Hollow& hollow, Progress& progress) {
   const Site& site = ground.site();
   std::uint64_t index = 0;
   for (const Row& row : p.tunnel) {
     const std::string where = fmt::format("tunnels: tunnel, row {}", index + 1);
-    volume::TunnelSettings s;
-    s.radius = impl::number_in(row, "radius").value_or(p.radius);
-    s.wander = impl::number_in(row, "wander").value_or(p.wander);
-    s.swelling = p.swelling, s.floor = p.floor, s.slope = std::tan(p.slope * degree);
-    s.step = 0.7 * s.radius;
+    impl::TunnelParams own = p;
+    own.radius = impl::number_in(row, "radius").value_or(p.radius);
+    own.wander = impl::number_in(row, "wander").value_or(p.wander);
+    volume::TunnelSettings s = impl::tunnel_settings(own);
+    s.slope = std::tan(p.slope * degree);
     s.seed = hash_combine(site.seed, index++);
     const Vec3d from = impl::point_in(row, "from", where) - site.origin,
                 to = impl::point_in(row, "to", where) - site.origin;
-    constexpr double most = 1e6;
-    if (length(to - from) > most * s.radius)
+    if (length(to - from) > look::longest * s.radius)
       fail(ErrorKind::usage, "{}: {:.3g} m are too long for a tunnel of {:g} m radius", where,
            length(to - from), s.radius);
     volume::Tunnel tunnel = volume::fractal_tunnel(from, to, s);
@@ -76,7 +90,7 @@ void dig_given(const Ground& ground, const Params& p, impl::Hollow& hollow, Prog
   }
 }
 
-/// From one hillside to another, as far from the ends of the others as may be.
+/// Digs tunnels from hillside to hillside, off the ends of the others.
 void dig_random(const Ground& ground, const Params& p, impl::Hollow& hollow, Progress& progress) {
   impl::TunnelPlannerSettings s{p, ground.box()};
   s.slope = std::tan(p.slope * degree);
@@ -93,11 +107,12 @@ void dig_random(const Ground& ground, const Params& p, impl::Hollow& hollow, Pro
   std::int64_t left = p.count;
   int tries = 0;
   for (std::size_t i = 0; i < mouths.size() && left > 0; ++i)
-    for (std::size_t j = i + 1; j < mouths.size() && left > 0 && !taken[i] && tries < 4000; ++j) {
+    for (std::size_t j = i + 1; j < mouths.size() && left > 0 && !taken[i] && tries < look::tries; ++j) {
       const Vec3d d = mouths[j].ground - mouths[i].ground;
-      // The other side of a hill: both look away from each other.
-      if (taken[j] || length(d) < 12 * p.radius || dot(d, mouths[i].inward) < 0.5 * length(d) ||
-          dot(d, mouths[j].inward) > -0.5 * length(d))
+      // On two sides of a hill both look away from each other.
+      if (taken[j] || length(d) < look::least_length * p.radius ||
+          dot(d, mouths[i].inward) < look::through_hill * length(d) ||
+          dot(d, mouths[j].inward) > -look::through_hill * length(d))
         continue;
       progress.check();
       ++tries;
@@ -109,21 +124,21 @@ void dig_random(const Ground& ground, const Params& p, impl::Hollow& hollow, Pro
       taken[i] = taken[j] = true;
       for (std::size_t k = 0; k < mouths.size(); ++k)
         for (const std::size_t used : {i, j})
-          if (length(mouths[k].ground - mouths[used].ground) < 6 * p.radius) taken[k] = true;
+          if (length(mouths[k].ground - mouths[used].ground) < look::apart * p.radius) taken[k] = true;
       --left;
     }
-  // No hill to go through: into the slopes, then.
+  // Where there is no hill left to go through, tunnels end in the slopes.
   for (std::size_t i = 0; i < mouths.size() && left > 0; ++i) {
     if (taken[i]) continue;
     const impl::WayEnd from = planner.end_of(mouths[i]);
-    const impl::WayEnd to{from.floor + mouths[i].inward * (20 * p.radius), -mouths[i].inward, p.radius,
-                          false};
+    const impl::WayEnd to{from.floor + mouths[i].inward * (look::blind * p.radius), -mouths[i].inward,
+                          p.radius, false};
     if (auto way = planner.way(from, to, hash_combine(s.seed, i))) {
       planner.keep_off(*way);
       hollow.add(std::move(*way));
       --left;
       for (std::size_t k = 0; k < mouths.size(); ++k)
-        if (length(mouths[k].ground - mouths[i].ground) < 12 * p.radius) taken[k] = true;
+        if (length(mouths[k].ground - mouths[i].ground) < look::apart_blind * p.radius) taken[k] = true;
     }
   }
 }

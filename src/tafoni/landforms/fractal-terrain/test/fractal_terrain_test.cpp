@@ -55,8 +55,7 @@ double overhangs(const Site& site, double noise) {
     for (int k = 0; k < steps; ++k) line.push_back({at.x, at.y, -50 + 0.5 * k});
     const auto f = values(field, line);
     int enters = 0;
-    for (int k = 1; k < steps; ++k)
-      enters += f[static_cast<std::size_t>(k - 1)] > 0 && f[static_cast<std::size_t>(k)] <= 0;
+    for (int k = 1; k < steps; ++k) enters += f[k - 1] > 0 && f[k] <= 0;
     more += enters > 1;
   }
   return more / lines;

@@ -26,9 +26,9 @@ std::vector<std::vector<Vec3d>> routes_of(const Result& result) {
   std::vector<std::vector<Vec3d>> out;
   std::size_t at = 0;
   for (double n : fact<std::vector<double>>(result, "route_points")) {
-    out.emplace_back(all.begin() + static_cast<std::ptrdiff_t>(at),
-                     all.begin() + static_cast<std::ptrdiff_t>(at + static_cast<std::size_t>(n)));
-    at += static_cast<std::size_t>(n);
+    const std::size_t end = at + static_cast<std::size_t>(n);
+    out.emplace_back(all.begin() + at, all.begin() + end);
+    at = end;
   }
   EXPECT_EQ(at, all.size());
   return out;
@@ -152,9 +152,7 @@ TEST(Hive, EntrancesTunnelsAndChambersHangTogether) {
   const auto f = values(field, points), ground = values(field::compile(coast.site.terrain), points);
   const auto index = [&](Vec3d p) {
     const Vec3d q = (p - box.lo) * (1 / step);
-    return (static_cast<std::size_t>(q.z + 0.5) * static_cast<std::size_t>(n.y) +
-            static_cast<std::size_t>(q.y + 0.5)) *
-               static_cast<std::size_t>(n.x) +
+    return (static_cast<std::size_t>(q.z + 0.5) * n.y + static_cast<std::size_t>(q.y + 0.5)) * n.x +
            static_cast<std::size_t>(q.x + 0.5);
   };
   std::vector<bool> reached(f.size());
@@ -170,7 +168,7 @@ TEST(Hive, EntrancesTunnelsAndChambersHangTogether) {
   while (!stack.empty()) {
     const std::size_t at = stack.back();
     stack.pop_back();
-    const auto row = static_cast<std::size_t>(n.x), plane = row * static_cast<std::size_t>(n.y);
+    const std::size_t row = n.x, plane = row * n.y;
     for (std::size_t d : {std::size_t{1}, row, plane}) visit(at + d), visit(at - d);
   }
   for (const Vec3d& chamber : chambers) EXPECT_TRUE(reached[index(chamber + Vec3d{0, 0, 1})]);
