@@ -97,7 +97,8 @@ const std::vector<Question>& all_questions() {
        &ask_sphere,
        1},
       {"--closest",
-       "Points x,y,z,distance: the surface nearest to each; below 0 in rock",
+       "Points x,y,z,distance: the surface nearest to each, no farther than the distance; the signed "
+       "distance is below 0 in rock",
        {"x", "y", "z", "distance"},
        with({"signed_distance"}),
        &ask_closest,

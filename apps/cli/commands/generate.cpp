@@ -51,10 +51,11 @@ int run(const Generate& g, Console& console) {
 
 std::function<int(Console&)> setup(Args& args) {
   auto g = std::make_shared<Generate>();
-  args.positional("GENERATOR", g->generator, "A built-in generator; see tafoni list generators");
+  args.positional("GENERATOR", g->generator, "Name of a built-in generator; see tafoni list generators");
   args.text("-o,--output", "TIF", g->output, "GeoTIFF to write");
-  args.texts("--set", "NAME=VALUE", g->set, "Set a parameter of the generator; may be repeated");
-  args.integer("--seed", "N", g->seed, 0, std::int64_t{1} << 53, "What every random choice is made from");
+  args.texts("--set", "NAME=VALUE", g->set, "Sets a parameter of the generator; may be repeated");
+  args.integer("--seed", "N", g->seed, 0, std::int64_t{1} << 53,
+               "Seed that every random choice is made from; default: 0");
   return [g](Console& console) { return run(*g, console); };
 }
 

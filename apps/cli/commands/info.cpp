@@ -214,7 +214,7 @@ int run(const std::string& file, Console& console) {
 
 std::function<int(Console&)> setup(Args& args) {
   auto file = std::make_shared<std::string>();
-  args.positional("DEM|VOLUME|SCENE", *file, "Elevation model, volume or scene file (.toml)");
+  args.positional("DEM|VOLUME|SCENE", *file, "Path of an elevation model, a volume or a scene file (.toml)");
   return [file](Console& console) { return run(*file, console); };
 }
 

@@ -72,9 +72,12 @@ int run(const List& list, Console& console) {
 
 std::function<int(Console&)> setup(Args& args) {
   auto list = std::make_shared<List>();
-  args.positional("TOPIC", list->topic, topic_names(), false);
-  args.positional("NAME", list->name, "One of the topic: its purpose, source and parameters", false);
-  args.flag("--markdown", list->markdown, "Write the whole reference as Markdown");
+  args.positional("TOPIC", list->topic, "What to list: " + topic_names() + "; default: all", false);
+  args.positional("NAME", list->name,
+                  "Entry of the topic to show with its purpose, source and parameters; default: all of them, "
+                  "by their purpose",
+                  false);
+  args.flag("--markdown", list->markdown, "Prints the whole reference as Markdown");
   return [list](Console& console) { return run(*list, console); };
 }
 

@@ -16,7 +16,8 @@ const std::vector<ParamInfo>& scene_params() {
   using S = SceneSettings;
   static const std::vector<ParamInfo> params =
       ParamTable<S>()
-          .integer("seed", &S::seed, "", 0, std::int64_t{1} << 53, "Every random choice is made from it")
+          .integer("seed", &S::seed, "", 0, std::int64_t{1} << 53,
+                   "Seed that every random choice is made from")
           .real("voxel", &S::voxel, "m", 0, 1e5,
                 "Size of a cell of the lattice: smaller shows more detail and takes more time and memory; 0 "
                 "chooses "

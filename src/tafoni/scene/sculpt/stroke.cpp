@@ -207,14 +207,18 @@ std::string shown(const Value& value) {
 const std::vector<ParamInfo>& stroke_params() {
   static const std::vector<ParamInfo> params =
       ParamTable<Stroke>()
-          .choice("mode", &Stroke::mode, {"carve", "add"}, "Takes rock away or adds some")
+          .choice("mode", &Stroke::mode, {"carve", "add"},
+                  "What the stroke does: carve takes rock away, add puts some there")
           .real("radius", &Stroke::radius, "m", 0.01, 1e4,
-                "Distance of the new surface from the stroke's skeleton")
+                "How far the new surface is from the stroke's skeleton: the radius of a ball or a tunnel")
           .real("strength", &Stroke::strength, "", 0.01, 1,
-                "1 cuts through solid rock or fills open air; less only where the surface is near")
-          .real("roughness", &Stroke::roughness, "", 0, 0.6, "Greatest displacement of the walls, in radii")
+                "How firmly the stroke acts: 1 cuts through solid rock and fills open air, less only dents "
+                "the surface")
+          .real("roughness", &Stroke::roughness, "", 0, 0.6,
+                "How far noise displaces the walls at most, in radii: more makes them rougher, 0 leaves them "
+                "smooth")
           .integer("seed", &Stroke::seed, "", 0, std::int64_t{1} << 53,
-                   "Varies what is random in the stroke");
+                   "Varies what is random in the stroke: another seed makes another stroke of the same kind");
   return params;
 }
 

@@ -34,7 +34,7 @@ const std::vector<ParamInfo>& params() {
           .real("wander", &P::wander, "", 0, 3,
                 "How far the passage strays from the curve, in radii; 0 follows it")
           .integer("chambers", &P::chambers, "", 0, 1000,
-                   "How many rooms stand along the passage, evenly apart")
+                   "How many rooms stand along the passage, evenly apart; 0 makes none")
           .real("chamber_radius", &P::chamber_radius, "m", 0, 1e4,
                 "Radius of the rooms; 0 takes 2.2 radii of the passage")
           .only("where there is a room: chambers is above 0, or the stroke has one point",
