@@ -39,7 +39,7 @@ int run(const Generate& g, Console& console) {
   Values values;
   for (const std::string& assignment : g.set) set_value(type, values, assignment);
   check_output(g.output, {});
-  raster::Raster raster = type.generate(values, static_cast<std::uint64_t>(g.seed.value_or(0)), console);
+  raster::Raster raster = type.generate(values, g.seed.value_or(0), console);
   // Says that coordinates are metres, so that no reader has to guess.
   if (raster.crs.empty())
     raster.crs = R"(LOCAL_CS["Local metres",UNIT["metre",1],AXIS["Easting",EAST],AXIS["Northing",NORTH]])";

@@ -61,8 +61,8 @@ std::string field_at(const scene::BuiltScene& scene, const std::vector<Vec3d>& w
   std::vector<float> values(world.size());
   std::vector<Vec3f> gradients(world.size());
   progress.begin("points", world.size(), "points");
-  parallel_blocks(static_cast<std::int64_t>(world.size()), 4096, [&](std::int64_t begin, std::int64_t end) {
-    const auto first = static_cast<std::size_t>(begin), count = static_cast<std::size_t>(end - begin);
+  parallel_blocks(std::ssize(world), 4096, [&](std::int64_t begin, std::int64_t end) {
+    const std::size_t first = begin, count = end - begin;
     field.gradients(std::span(local).subspan(first, count), std::span(values).subspan(first, count),
                     std::span(gradients).subspan(first, count));
     progress.advance(count);
@@ -85,7 +85,7 @@ query::WalkSettings walk_settings(const Query& q) {
   query::WalkSettings settings;
   settings.count = static_cast<int>(*q.walks);
   settings.roofed = !q.anywhere;
-  if (q.scene.seed) settings.seed = static_cast<std::uint64_t>(*q.scene.seed);
+  if (q.scene.seed) settings.seed = *q.scene.seed;
   if (q.walker.empty()) return settings;
   settings.walker.radius = q.walker[0], settings.walker.height = q.walker[1],
   settings.walker.step = q.walker[2];

@@ -67,17 +67,21 @@ render::Camera camera_of(const Render& r, const render::Scene& scene,
   return camera;
 }
 
+// How a scene that is cut open is shown, chosen by eye, in degrees. The camera stands on the side that was
+// removed, turned a quarter of a right angle from square to the cut, so that the end wall shows as well, and
+// looks down so little that the cut is hardly foreshortened. The sun lies along the cut and models its edges.
+constexpr double cut_azimuth = -115, cut_elevation = 22, cut_sun_azimuth = 48;
+
 /// The scene cut open, looked at squarely enough that the cut shows undistorted.
 mesh::Mesh geology_of(const Render& r, const scene::Document& document, render::RenderSettings& settings,
                       Console& console) {
   const scene::BuiltScene scene = scene::build(document, console);
   scene::Cut cut = scene::middle_cut(scene);
   if (!r.cut.empty()) cut = {{r.cut[0], r.cut[1]}, {r.cut[2], r.cut[3]}};
-  // From the side that was removed, turned a quarter of a right angle so that the end wall shows as well.
   const Vec2d along = cut.to - cut.from;
-  if (!settings.azimuth) settings.azimuth = std::atan2(along.x, along.y) - 115 * degree;
-  if (!settings.elevation) settings.elevation = 22 * degree;
-  if (!settings.sun_azimuth) settings.sun_azimuth = std::atan2(along.x, along.y) + 48 * degree;
+  if (!settings.azimuth) settings.azimuth = std::atan2(along.x, along.y) + cut_azimuth * degree;
+  if (!settings.elevation) settings.elevation = cut_elevation * degree;
+  if (!settings.sun_azimuth) settings.sun_azimuth = std::atan2(along.x, along.y) + cut_sun_azimuth * degree;
   if (!r.haze) settings.haze = 0;
   return scene::cut_mesh(scene, cut, console);
 }

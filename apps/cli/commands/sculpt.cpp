@@ -69,8 +69,8 @@ void edit(const Sculpt& s, scene::Session& session, std::size_t layer,
   const auto say = [&](const char* what, std::size_t n) {
     if (!console.json()) console.print(fmt::format("{}  {} stroke{}\n", what, n, n == 1 ? "" : "s"));
   };
-  if (s.undo) say("undone", session.undo(layer, static_cast<std::size_t>(*s.undo)));
-  if (s.redo) say("redone", session.redo(layer, static_cast<std::size_t>(*s.redo)));
+  if (s.undo) say("undone", session.undo(layer, *s.undo));
+  if (s.redo) say("redone", session.redo(layer, *s.redo));
   if (s.go_to) session.go_to(layer, *s.go_to);
   if (s.mute) session.mute_stroke(layer, *s.mute, true);
   if (s.unmute) session.mute_stroke(layer, *s.unmute, false);

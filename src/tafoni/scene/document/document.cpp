@@ -223,7 +223,7 @@ namespace {
 
 void set_value(const std::vector<ParamInfo>& common, void* object, const std::vector<ParamInfo>& own,
                Values& values, std::string_view name, std::string_view text, std::string_view where) {
-  const auto infos = impl::joined(common, own);
+  const auto infos = impl::join_params(common, own);
   const ParamInfo& info = find_param(infos, name, where);
   impl::store(common, object, values, info, parsed(info, text, where));
 }

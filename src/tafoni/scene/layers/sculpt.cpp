@@ -72,7 +72,7 @@ impl::BuiltLayer build(const impl::LayerSite& site) {
   const auto sculpted = cook.cook(site.strokes(), frame);
   impl::BuiltLayer out;
   out.reused = cook.groups_cooked() == before;
-  out.made = impl::keyed(&place, sculpted, frame.amplitude, p.settle);
+  out.made = impl::make_keyed(&place, sculpted, frame.amplitude, p.settle);
   out.own = std::make_shared<Own>(
       Own{sculpted.value, impl::digest_of(frame, p.settle, sculpted.value->node != nullptr)});
   return out;

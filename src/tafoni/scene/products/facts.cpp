@@ -1,3 +1,5 @@
+// A fact's name, content and unit are written twice: for programs, with the unit in the key and world
+// positions, and for people, with the unit behind the number and without lists.
 #include "tafoni/scene/products/facts.h"
 
 #include <algorithm>

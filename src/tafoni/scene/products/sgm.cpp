@@ -12,6 +12,9 @@
 namespace tafoni::scene {
 namespace {
 
+constexpr float far = 1e6f;     // the field where all is rock: beyond any that a layer makes
+constexpr double slack = 0.01;  // metres around the box, so that no face of the solid lies in its sides
+
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -61,13 +64,12 @@ SgmMeasures sgm_measures(const mesh::Mesh& mesh, double edge, Progress& progress
 SgmSolid sgm_solid(const BuiltScene& scene, const std::string& name) {
   const auto [layer, told] = find(scene, name);
   SgmSolid out;
-  // Rounded as the world positions of a report are, so that both give the same cubes.
+  // The box is rounded as the world positions of a report are, so that both give the same cubes.
   const Box3d box = told.box;
   for (const Vec3d corner : {box.lo, box.hi})
     out.box.expand((corner + scene.terrain.origin) - scene.terrain.origin);
-  out.box = out.box.grown(0.01);
-  // What it adds where all is air, or else what it takes from where all is rock.
-  constexpr float far = 1e6f;
+  out.box = out.box.grown(slack);
+  // A solid is what the layer adds where all is air, a cave what it takes from where all is rock.
   out.tree = layer.made.reshape(field::constant(-far));
   if (field::compile(out.tree).interval(out.box).hi > 0) return out;
   out.tree = layer.made.reshape(field::constant(far));

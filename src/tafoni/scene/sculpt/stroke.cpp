@@ -113,7 +113,7 @@ void check(const Stroke& stroke, const BrushType& brush, std::string_view where)
 template <class F>
 void assign_one(Stroke& stroke, const BrushType& brush, std::string_view name, std::string_view where,
                 F&& value) {
-  const auto infos = impl::joined(stroke_params(), params_of_brush(brush, stroke.values));
+  const auto infos = impl::join_params(stroke_params(), params_of_brush(brush, stroke.values));
   const ParamInfo& info = param(infos, name, stroke, where);
   impl::store(stroke_params(), &stroke, stroke.values, info, value(info));
 }
@@ -250,8 +250,9 @@ std::string to_text(const Stroke& stroke) {
     const Vec3d p = stroke.points[i];
     out += fmt::format("{}{},{},{}", i == 0 ? "" : "/", p.x, p.y, p.z);
   }
-  for (const ParamInfo& info : impl::joined(stroke_params(), params_of_brush(brush, stroke.values)))
-    if (const Value value = impl::loaded(stroke_params(), &stroke, stroke.values, info); value != info.init)
+  for (const ParamInfo& info : impl::join_params(stroke_params(), params_of_brush(brush, stroke.values)))
+    if (const Value value = impl::load_value(stroke_params(), &stroke, stroke.values, info);
+        value != info.init)
       out += fmt::format(" {}={}", info.name, shown(value));
   return out;
 }

@@ -56,8 +56,7 @@ class Query {
   std::int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
   std::string text(int column) const {
     const auto* v = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
-    return v ? std::string(v, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column)))
-             : std::string();
+    return v ? std::string(v, sqlite3_column_bytes(statement_, column)) : std::string();
   }
 
  private:
