@@ -1,4 +1,5 @@
-// The one file that includes the command line library.
+// Options are declared to the library of command lines, and kept as entries for the reference page. Their
+// values are checked as parameters are, so that messages read alike. No other file includes that library.
 #include "args.h"
 
 #include <CLI/CLI.hpp>
@@ -168,7 +169,7 @@ void check_command_name(int argc, const char* const* argv, const std::vector<Arg
        near.empty() ? "see tafoni --help" : fmt::format("did you mean {}?", near));
 }
 
-/// A parse error in the program's words.
+/// Throws a parse error in the program's own words.
 [[noreturn]] void explain(const CLI::ParseError& error, const CLI::App& app) {
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr)
     for (const std::string& word : app.remaining()) unexpected(app, word);

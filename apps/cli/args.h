@@ -26,13 +26,13 @@ class Args {
 
   /// Options declared from here on are shown under this title.
   void group(const std::string& title) { group_ = title; }
-  /// Text below the options in --help.
+  /// Sets the text below the options in --help.
   void footer(const std::string& text);
 
   void positional(const std::string& name, std::string& target, const std::string& doc, bool required = true);
   void flag(const std::string& flags, bool& target, const std::string& doc);
   void text(const std::string& flags, const std::string& value, std::string& target, const std::string& doc);
-  /// May be given many times.
+  /// Declares an option that may be given many times.
   void texts(const std::string& flags, const std::string& value, std::vector<std::string>& target,
              const std::string& doc);
   void choice(const std::string& flags, std::string& target, std::vector<std::string> choices,

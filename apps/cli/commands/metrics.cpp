@@ -155,7 +155,7 @@ bool is_volume(const std::string& file) {
   return io::can(file, io::Ability::read_volume);
 }
 
-/// Of a mesh file or a volume.
+/// The mesh in a mesh file, or the surface of a volume.
 mesh::Mesh mesh_of(const std::string& file, Console& console) {
   if (is_volume(file)) return scene::mesh_scene(scene::build(open_document(file), console), console).mesh;
   if (is_scene_file(file))

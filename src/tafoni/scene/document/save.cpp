@@ -89,7 +89,7 @@ std::string fresh(const GeologySettings& geology, const std::string& path) {
   return out;
 }
 
-/// Nested geologies as an array of inline tables.
+/// Writes nested geologies as an array of inline tables.
 std::string inline_text(const std::vector<GeologySettings>& list) {
   std::string out;
   for (const GeologySettings& geology : list) {

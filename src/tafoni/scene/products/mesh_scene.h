@@ -35,7 +35,7 @@ void finish_mesh(const BuiltScene& scene, MeshResult& result, Progress& progress
 MeshResult mesh_scene_tiles(const BuiltScene& scene, int tiles, const surface::TileSink& sink,
                             Progress& progress = silent());
 
-/// Fills the mesh's colours.
+/// Colours the mesh's vertices by rock, slope and height.
 void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress = silent());
 
 /// What a full build would cost, from one on a coarser lattice.

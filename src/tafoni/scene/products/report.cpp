@@ -113,7 +113,7 @@ std::string Report::json(std::span<const std::string> warnings) const {
   }
   out["seconds"] = seconds;
   out["warnings"] = warnings;
-  // Text from files may be no UTF-8.
+  // Text that came from files need not be UTF-8, which JSON must be: what is not is replaced.
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

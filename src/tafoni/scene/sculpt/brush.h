@@ -40,7 +40,7 @@ struct BrushType {
   std::size_t min_points = 1, max_points = 100000;
   /// The stroke is checked and its points are local. `seed` decides what is random. Null for one that paints.
   void (*apply)(const Stroke& stroke, std::uint64_t seed, Dab& dab) = nullptr;
-  /// Null for one that makes primitives.
+  /// What the stroke paints. Null for a brush that makes primitives.
   Painting (*paint)(const Stroke& stroke) = nullptr;
   /// Parameters that depend on others, beyond `params`; may be null.
   std::vector<ParamInfo> (*more)(const Values& values) = nullptr;

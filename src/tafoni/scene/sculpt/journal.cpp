@@ -85,7 +85,7 @@ void follow(State& state) {
   state.applied.insert(state.applied.end(), added.rbegin(), added.rend());
 }
 
-/// Within a transaction.
+/// To be called within a transaction.
 template <class State>
 void load(State& state) {
   std::unordered_map<std::int64_t, Row> rows;

@@ -26,7 +26,7 @@ class Stopwatch {
 
 double choose_voxel(const Document& document, const raster::Raster& elevations) {
   if (document.scene.voxel > 0) return document.scene.voxel;
-  // On a volume's own samples nothing is lost.
+  // A lattice on a volume's own samples loses nothing of it.
   return is_volume(document.terrain) ? elevations.placement.dx
                                      : default_voxel(elevations, document.terrain.influence);
 }
@@ -86,7 +86,7 @@ Built Builder::build(const Document& document, const SlotSource& slots, Progress
   return {std::make_shared<BuiltScene>(std::move(scene)), stage.ground.key, std::move(stage.layers)};
 }
 
-/// Nothing where no path is named.
+/// The file at a path, with a digest of what it holds; nothing where no path is named.
 std::optional<File> Builder::file(const Document& document, const std::string& path) {
   if (path.empty()) return {};
   const auto resolved = document.resolve(path);

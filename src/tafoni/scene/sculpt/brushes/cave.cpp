@@ -75,7 +75,7 @@ void add_room(Vec3d center, double radius, double flatten, Random random, Dab& d
   }
 }
 
-/// The way along `path` at each of its points.
+/// How much of the way along `path` is covered at each of its points.
 std::vector<double> ways(std::span<const Vec3d> path) {
   std::vector<double> out(path.size(), 0);
   for (std::size_t i = 1; i < path.size(); ++i) out[i] = out[i - 1] + length(path[i] - path[i - 1]);
