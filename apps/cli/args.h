@@ -62,8 +62,8 @@ class Args {
   /// A text that `store` gets when the option is given.
   void add(const std::string& flags, const std::string& value, const std::string& doc,
            std::function<void(const std::string&)> store);
-  void checked(const std::string& flags, const std::string& value, const std::string& doc, ParamInfo info,
-               std::function<void(const Value&)> store);
+  void add_value(const std::string& flags, const std::string& value, const std::string& doc, ParamInfo info,
+                 std::function<void(const Value&)> store);
 
   std::shared_ptr<CLI::App> app_;
   std::string group_ = "Options";

@@ -27,7 +27,7 @@ void set_value(const terrain::GeneratorType& type, Values& values, std::string_v
   std::string_view name = assignment.substr(0, equals);
   if (name.starts_with(type.about.name + ".")) name.remove_prefix(type.about.name.size() + 1);
   const ParamInfo& info = find_param(type.about.params, name, where);
-  values.insert_or_assign(info.name, parsed(info, assignment.substr(equals + 1), where));
+  values.insert_or_assign(info.name, parse_value(info, assignment.substr(equals + 1), where));
 }
 
 int run(const Generate& g, Console& console) {

@@ -247,7 +247,7 @@ void ParamList::add_rows(std::string_view name, const void* object, const void* 
                          std::vector<ParamInfo> columns, std::string_view doc) {
   ParamInfo& info = add(name, ValueKind::rows, object, member, doc);
   info.columns = std::move(columns);
-  info.init = checked(info, info.init, "default");
+  info.init = check_value(info, info.init, "default");
 }
 
 void ParamList::limit_last(std::string_view when, Values with) {
@@ -307,7 +307,7 @@ void check_cell(const ParamInfo& column, const std::string& text, std::string_vi
   for (const double v : *numbers) check_range(column, v, fmt::format("{}", v), where);
 }
 
-Value checked(const ParamInfo& info, const Value& value, std::string_view where) {
+Value check_value(const ParamInfo& info, const Value& value, std::string_view where) {
   const auto* integer = std::get_if<std::int64_t>(&value);
   const auto* real = std::get_if<double>(&value);
   switch (info.kind) {
@@ -339,7 +339,7 @@ Value checked(const ParamInfo& info, const Value& value, std::string_view where)
   wrong_kind(info, to_toml(value), where);
 }
 
-Value parsed(const ParamInfo& info, std::string_view raw, std::string_view where) {
+Value parse_value(const ParamInfo& info, std::string_view raw, std::string_view where) {
   const std::string text = trim(raw);
   const std::string shown = quote(text);
   switch (info.kind) {
@@ -350,15 +350,15 @@ Value parsed(const ParamInfo& info, std::string_view raw, std::string_view where
       wrong_kind(info, shown, where);
     }
     case ValueKind::integer:
-      if (const auto v = whole(text)) return checked(info, *v, where);
-      if (const auto v = number(text); v && exact_integer(*v)) return checked(info, *v, where);
+      if (const auto v = whole(text)) return check_value(info, *v, where);
+      if (const auto v = number(text); v && exact_integer(*v)) return check_value(info, *v, where);
       wrong_kind(info, shown, where);
     case ValueKind::real:
-      if (const auto v = number(text)) return checked(info, *v, where);
+      if (const auto v = number(text)) return check_value(info, *v, where);
       wrong_kind(info, shown, where);
     case ValueKind::text:
     case ValueKind::choice:
-      return checked(info, text, where);
+      return check_value(info, text, where);
     case ValueKind::rows:
       fail(ErrorKind::usage, "{}: {} is a table, which only a scene file can give", where, info.name);
     case ValueKind::numbers:
@@ -374,17 +374,17 @@ Value parsed(const ParamInfo& info, std::string_view raw, std::string_view where
     list.push_back(*v);
     begin = end + 1;
   }
-  return checked(info, list, where);
+  return check_value(info, list, where);
 }
 
 void assign(std::span<const ParamInfo> infos, void* object, const Values& values, std::string_view where) {
   for (const auto& [name, value] : values) {
     const ParamInfo& info = find_param(infos, name, where);
-    ParamInfo::store(info, object, checked(info, value, where));
+    ParamInfo::store(info, object, check_value(info, value, where));
   }
   for (const ParamInfo& info : infos)
     if (info.kind == ValueKind::rows && !values.contains(info.name))
-      ParamInfo::store(info, object, checked(info, ParamInfo::load(info, object), where));
+      ParamInfo::store(info, object, check_value(info, ParamInfo::load(info, object), where));
 }
 
 const ParamInfo& find_param(std::span<const ParamInfo> infos, std::string_view name, std::string_view where) {

@@ -199,7 +199,7 @@ namespace {
 
 NodePtr combine_two(std::string_view op, NodePtr a, NodePtr b, double parameter) {
   const OperatorType& type = find_operator(op);
-  checked(type.about.params.front(), parameter, op);
+  check_value(type.about.params.front(), parameter, op);
   return std::make_shared<Node>(
       Node::Operation{&type, {std::move(a), std::move(b)}, static_cast<float>(parameter)});
 }

@@ -225,7 +225,7 @@ void set_value(const std::vector<ParamInfo>& common, void* object, const std::ve
                Values& values, std::string_view name, std::string_view text, std::string_view where) {
   const auto infos = impl::join_params(common, own);
   const ParamInfo& info = find_param(infos, name, where);
-  impl::store(common, object, values, info, parsed(info, text, where));
+  impl::store(common, object, values, info, parse_value(info, text, where));
 }
 
 bool matches(const std::string& type, const std::string& name, std::string_view target,

@@ -104,7 +104,7 @@ class Reader {
       const auto value = info->kind == ValueKind::rows ? rows(node, *info, owner) : to_value(node);
       if (!value)
         fail(ErrorKind::input, "{}: {} must be {}, not {}", where, info->name, allowed(*info), kind_of(node));
-      impl::store(common, object, values, *info, as_input([&] { return checked(*info, *value, where); }));
+      impl::store(common, object, values, *info, as_input([&] { return check_value(*info, *value, where); }));
     }
   }
 

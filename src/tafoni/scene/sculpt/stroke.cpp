@@ -166,7 +166,7 @@ Stroke json_stroke(const Json& object, std::string_view where) {
         continue;
       }
       assign_one(stroke, brush, key, where, [&, v = json_value(value, key, where)](const ParamInfo& info) {
-        return checked(info, v, where);
+        return check_value(info, v, where);
       });
     }
   check(stroke, brush, where);
@@ -236,7 +236,7 @@ Stroke parse_stroke(std::string_view line, std::string_view where) {
       stroke.points.insert(stroke.points.end(), more.begin(), more.end());
     } else {
       assign_one(stroke, brush, name, where,
-                 [&, &value = text](const ParamInfo& info) { return parsed(info, value, where); });
+                 [&, &value = text](const ParamInfo& info) { return parse_value(info, value, where); });
     }
   }
   check(stroke, brush, where);
