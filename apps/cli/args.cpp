@@ -1,4 +1,5 @@
-// The one file that includes the command line library.
+// Options are declared to the library of command lines, and kept as entries for the reference page. Their
+// values are checked as parameters are, so that messages read alike. No other file includes that library.
 #include "args.h"
 
 #include <CLI/CLI.hpp>
@@ -54,11 +55,11 @@ void Args::add(const std::string& flags, const std::string& value, const std::st
   });
 }
 
-void Args::checked(const std::string& flags, const std::string& value, const std::string& doc, ParamInfo info,
-                   std::function<void(const Value&)> store) {
+void Args::add_value(const std::string& flags, const std::string& value, const std::string& doc,
+                     ParamInfo info, std::function<void(const Value&)> store) {
   info.name = long_name(flags);
   add(flags, value, doc, [info, store = std::move(store)](const std::string& text) {
-    store(parsed(info, text, "command line"));
+    store(parse_value(info, text, "command line"));
   });
 }
 
@@ -84,7 +85,7 @@ void Args::choice(const std::string& flags, std::string& target, std::vector<std
   info.kind = ValueKind::choice;
   info.choices = std::move(choices);
   const std::string value = allowed(info);
-  checked(flags, value, doc, info, [&target](const Value& v) { target = std::get<std::string>(v); });
+  add_value(flags, value, doc, info, [&target](const Value& v) { target = std::get<std::string>(v); });
 }
 
 void Args::number(const std::string& flags, const std::string& value, std::optional<double>& target,
@@ -94,7 +95,7 @@ void Args::number(const std::string& flags, const std::string& value, std::optio
   info.min = min;
   info.max = max;
   info.unit = unit;
-  checked(flags, value, doc, info, [&target](const Value& v) { target = std::get<double>(v); });
+  add_value(flags, value, doc, info, [&target](const Value& v) { target = std::get<double>(v); });
 }
 
 void Args::integer(const std::string& flags, const std::string& value, std::optional<std::int64_t>& target,
@@ -103,7 +104,7 @@ void Args::integer(const std::string& flags, const std::string& value, std::opti
   info.kind = ValueKind::integer;
   info.min = static_cast<double>(min);
   info.max = static_cast<double>(max);
-  checked(flags, value, doc, info, [&target](const Value& v) { target = std::get<std::int64_t>(v); });
+  add_value(flags, value, doc, info, [&target](const Value& v) { target = std::get<std::int64_t>(v); });
 }
 
 namespace {
@@ -121,14 +122,14 @@ ParamInfo numbers_info(std::size_t count) {
 
 void Args::numbers(const std::string& flags, const std::string& value, std::vector<double>& target,
                    std::size_t count, const std::string& doc) {
-  checked(flags, value, doc, numbers_info(count),
-          [&target](const Value& v) { target = std::get<std::vector<double>>(v); });
+  add_value(flags, value, doc, numbers_info(count),
+            [&target](const Value& v) { target = std::get<std::vector<double>>(v); });
 }
 
 void Args::optional_numbers(const std::string& flags, const std::string& value, bool& given,
                             std::vector<double>& target, std::size_t count, const std::string& doc) {
-  checked(flags, "[" + value + "]", doc, numbers_info(count),
-          [&target](const Value& v) { target = std::get<std::vector<double>>(v); });
+  add_value(flags, "[" + value + "]", doc, numbers_info(count),
+            [&target](const Value& v) { target = std::get<std::vector<double>>(v); });
   CLI::Option* option = app_->get_option(long_name(flags));
   option->expected(0, 1);
   after_.back() = [option, store = after_.back(), &given] {
@@ -168,7 +169,7 @@ void check_command_name(int argc, const char* const* argv, const std::vector<Arg
        near.empty() ? "see tafoni --help" : fmt::format("did you mean {}?", near));
 }
 
-/// A parse error in the program's words.
+/// Throws a parse error in the program's own words.
 [[noreturn]] void explain(const CLI::ParseError& error, const CLI::App& app) {
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr)
     for (const std::string& word : app.remaining()) unexpected(app, word);

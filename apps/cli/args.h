@@ -26,13 +26,13 @@ class Args {
 
   /// Options declared from here on are shown under this title.
   void group(const std::string& title) { group_ = title; }
-  /// Text below the options in --help.
+  /// Sets the text below the options in --help.
   void footer(const std::string& text);
 
   void positional(const std::string& name, std::string& target, const std::string& doc, bool required = true);
   void flag(const std::string& flags, bool& target, const std::string& doc);
   void text(const std::string& flags, const std::string& value, std::string& target, const std::string& doc);
-  /// May be given many times.
+  /// Declares an option that may be given many times.
   void texts(const std::string& flags, const std::string& value, std::vector<std::string>& target,
              const std::string& doc);
   void choice(const std::string& flags, std::string& target, std::vector<std::string> choices,
@@ -62,8 +62,8 @@ class Args {
   /// A text that `store` gets when the option is given.
   void add(const std::string& flags, const std::string& value, const std::string& doc,
            std::function<void(const std::string&)> store);
-  void checked(const std::string& flags, const std::string& value, const std::string& doc, ParamInfo info,
-               std::function<void(const Value&)> store);
+  void add_value(const std::string& flags, const std::string& value, const std::string& doc, ParamInfo info,
+                 std::function<void(const Value&)> store);
 
   std::shared_ptr<CLI::App> app_;
   std::string group_ = "Options";

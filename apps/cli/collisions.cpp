@@ -97,7 +97,8 @@ const std::vector<Question>& all_questions() {
        &ask_sphere,
        1},
       {"--closest",
-       "Points x,y,z,distance: the surface nearest to each; below 0 in rock",
+       "Points x,y,z,distance: the surface nearest to each, no farther than the distance; the signed "
+       "distance is below 0 in rock",
        {"x", "y", "z", "distance"},
        with({"signed_distance"}),
        &ask_closest,
@@ -155,8 +156,8 @@ AnswerTable answer(const Question& question, const CollisionGround& ground, cons
   table.rows.resize(rows.size());
   const double origin[] = {ground.origin.x, ground.origin.y, ground.origin.z};
   progress.begin(std::string_view(question.flag).substr(2), rows.size(), "questions");
-  parallel_blocks(static_cast<std::int64_t>(rows.size()), 256, [&](std::int64_t begin, std::int64_t end) {
-    for (auto r = static_cast<std::size_t>(begin); r < static_cast<std::size_t>(end); ++r) {
+  parallel_blocks(std::ssize(rows), 256, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t r = begin; r < end; ++r) {
       progress.advance();
       std::vector<double> local = rows[r];
       for (std::size_t axis = 0; axis < 3; ++axis) local[axis] -= origin[axis];
@@ -184,7 +185,7 @@ AnswerTable walk(const CollisionGround& ground, const query::WalkSettings& setti
     const std::vector<Vec3d> points = query::surface_points(shape, 0);
     std::vector<float> values(points.size());
     ground.field->values(points, values);
-    return std::max(0.0, static_cast<double>(*std::max_element(values.begin(), values.end())));
+    return std::max<double>(0, *std::max_element(values.begin(), values.end()));
   };
   const auto walks =
       query::random_walks(*ground.collider, ground.collider->bounds(), settings, depth, console);

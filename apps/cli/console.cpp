@@ -30,10 +30,10 @@ void print_tagged(std::string_view colour, std::string_view tag, std::string_vie
 
 void CommonOptions::declare(Args& args) {
   args.group("Common options");
-  args.flag("--json", json, "Print results as JSON");
-  args.flag("-q,--quiet", quiet, "No summary, warnings or progress; errors only");
-  args.flag("--progress", progress, "Show progress even when stderr is no terminal");
-  args.integer("--threads", "N", threads, 0, 4096, "Threads to use; 0 means all cores");
+  args.flag("--json", json, "Prints results as JSON");
+  args.flag("-q,--quiet", quiet, "Prints no summary, warnings or progress, only results and errors");
+  args.flag("--progress", progress, "Shows progress even where standard error is no terminal");
+  args.integer("--threads", "N", threads, 0, 4096, "Threads to use; default: 0, which takes all cores");
 }
 
 Console::Console(const CommonOptions& options)

@@ -31,7 +31,7 @@ class Console : public Progress {
 
   bool json() const { return options_.json; }
   bool quiet() const { return options_.quiet; }
-  /// What was done, on stdout; nothing with --quiet.
+  /// Prints what was done to stdout, but nothing with --quiet.
   void print(std::string_view text);
   /// What the command exists for, on stdout, --quiet or not.
   void result(std::string_view text);

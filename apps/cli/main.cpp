@@ -72,7 +72,7 @@ int run(int argc, const char* const* argv) {
   }
   if (common.threads) set_thread_count(static_cast<int>(*common.threads));
   const Interruptible guard(console);
-  const int code = entries[static_cast<std::size_t>(parsed.command)].run(console);
+  const int code = entries[parsed.command].run(console);
   console.flush();
   return code;
 }

@@ -17,17 +17,26 @@ namespace fs = std::filesystem;
 void SceneOptions::declare(Args& args) {
   args.group("Scene");
   args.texts("--set", "TARGET.NAME=VALUE", set,
-             "Set a parameter of a layer, a geology, the terrain or the scene; may be repeated");
-  args.text("--dem", "FILE", dem,
-            "Elevation model to put the scene on in place of its own; the voxel then follows from it");
-  args.numbers("--window", "X,Y,W,H", window, 4, "Part of the elevation model to use, in pixels");
-  args.number("--resolution", "M", resolution, 0, 1e5, "m", "Pixel size to bring the elevation model to");
+             "Sets a parameter of a layer, a geology, the terrain or the scene; may be repeated");
+  args.text(
+      "--dem", "FILE", dem,
+      "Path of an elevation model to put the scene on in place of its own; the voxel then follows from it");
+  args.numbers("--window", "X,Y,W,H", window, 4,
+               "Column, row, width and height of the part of the elevation model to use, in pixels; default: "
+               "all of it");
+  args.number("--resolution", "M", resolution, 0, 1e5, "m",
+              "Pixel size to bring the elevation model to; default: its own");
   args.number("--voxel", "M", voxel, 0, 1e5, "m",
-              "Size of a lattice cell; default: from pixel size and extent");
+              "Size of a cell of the lattice: smaller shows more detail and takes more time and memory; "
+              "default: what the scene says, else chosen from the terrain's pixel size and extent");
   args.choice("--boundary", boundary, {"solid", "open"},
-              "Close the mesh with walls and a base, or leave a sheet");
-  args.number("--simplify", "M", simplify, 0, 1e4, "m", "Greatest distance a simplified mesh may stray");
-  args.integer("--seed", "N", seed, 0, std::int64_t{1} << 53, "What every random choice is made from");
+              "How the mesh ends: solid closes it with walls and a base, open leaves a sheet; default: what "
+              "the scene says, else solid");
+  args.number("--simplify", "M", simplify, 0, 1e4, "m",
+              "How far a simplified mesh may stray: more leaves fewer triangles; 0 keeps every triangle; "
+              "default: what the scene says, else 0");
+  args.integer("--seed", "N", seed, 0, std::int64_t{1} << 53,
+               "Seed that every random choice is made from; default: the scene's own");
 }
 
 void SceneOptions::apply(scene::Document& document) const {
@@ -54,20 +63,23 @@ void SceneOptions::apply(scene::Document& document) const {
 void OutputOptions::declare(Args& args) {
   args.group("Output");
   args.texts("-o,--output", "FILE", files,
-             "Mesh or volume to write; the extension chooses the format; may be repeated");
-  args.text("--preview", "PNG", preview, "Picture to write");
-  args.text("--save-scene", "TOML", save_scene, "Scene file to write, which builds the same again");
-  args.text("--report", "JSON", report, "Report to write: timings, counts, bounds, warnings");
+             "Mesh or volume to write, in the format of its extension; may be repeated");
+  args.text("--preview", "PNG", preview, "Picture of the mesh to write, a PNG");
+  args.text("--save-scene", "TOML", save_scene,
+            "Scene file to write, which builds the same again, options included");
+  args.text("--report", "JSON", report,
+            "Report to write: what each layer made, counts, bounds, times and warnings");
   args.integer("--tiles", "N", tiles, 1, 1024,
-               "Write N x N meshes that meet exactly, as NAME_X_Y; memory for one tile at a time");
+               "Writes N x N meshes that meet exactly, as NAME_X_Y, and needs memory for one at a time; "
+               "default: 1, a whole");
   args.number("--band", "M", band, 0, 1e5, "m",
-              "Greatest magnitude of a volume's values, so that only what is near the surface takes space; 0 "
-              "keeps all; default: four cells");
+              "Greatest magnitude of a volume's values: less takes less space, for it keeps only what is "
+              "near the surface; 0 keeps all; default: four cells");
   args.number("--texture", "M", texture, 1e-3, 1e6, "m",
-              "Give OBJ and GLB files texture coordinates, projected from the sides of a box; a picture "
-              "covers M metres");
-  args.flag("--half", half, "Write volumes in half precision");
-  args.flag("--dry-run", dry_run, "Predict triangles, memory and bytes instead of writing");
+              "Gives OBJ and GLB files texture coordinates, projected from the sides of a box, of pictures "
+              "that cover M metres; default: none");
+  args.flag("--half", half, "Writes volumes in half precision, in half the space; default: single precision");
+  args.flag("--dry-run", dry_run, "Predicts triangles, memory and bytes, and writes nothing");
 }
 
 bool is_mesh_file(const std::string& path) {

@@ -16,7 +16,9 @@
 #include "tafoni/io/mesh_file.h"
 #include "tafoni/io/volume_file.h"
 #include "tafoni/mesh/texture.h"
+#include "tafoni/scene/products/facts.h"
 #include "tafoni/scene/products/mesh_scene.h"
+#include "tafoni/scene/products/report.h"
 #include "tafoni/scene/products/volume_scene.h"
 
 namespace tafoni::cli {
@@ -132,36 +134,21 @@ std::string file_line(const fs::path& path) {
   return fmt::format("{}  {}\n", path.string(), code ? "" : as_bytes(bytes));
 }
 
-std::string shown(const Json& value) {
-  if (value.is_string()) return value.get<std::string>();
-  if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
-  return value.dump();
-}
-
-/// What a person wants to know of a report; lists of positions are for programs.
-std::string summary(const Json& report) {
+/// What a person wants to know of a scene.
+std::string summary(const scene::BuiltScene& scene, const scene::Report& report) {
   std::string out;
-  for (const Json& layer : report["layers"]) {
-    out += fmt::format("layer {}: {} primitives", layer["name"].get<std::string>(),
-                       with_commas(layer["primitives"].get<std::uint64_t>()));
-    for (const auto& [key, value] : layer.items()) {
-      if (key == "name" || key == "type" || key == "seconds" || key == "primitives" || value.is_array())
-        continue;
-      std::string words = key;
-      const bool metres = words.ends_with("_m");
-      if (metres) words.resize(words.size() - 2);
-      std::replace(words.begin(), words.end(), '_', ' ');
-      out += fmt::format(", {} {}{}", words, shown(value), metres ? " m" : "");
-    }
-    out += "\n";
+  for (const scene::LayerResult& layer : scene.layers) {
+    const std::string facts = scene::facts_text(layer.made.facts);
+    out += fmt::format("layer {}: {} primitives{}{}\n", layer.name,
+                       with_commas(scene::primitives_of(layer.made)), facts.empty() ? "" : ", ", facts);
   }
-  if (!report.contains("mesh")) return out;
-  const Json& mesh = report["mesh"];
-  out += fmt::format("mesh: {} triangles, {} pieces, voxel {} m", with_commas(mesh["triangles"]),
-                     with_commas(mesh["components"]), shown(report["voxel_m"]));
-  if (mesh.value("closed", false)) out += fmt::format(", closed, {:.6g} m3", mesh["volume_m3"].get<double>());
-  if (mesh["fragments_removed"].get<std::uint64_t>() > 0)
-    out += fmt::format(", {} floating pieces removed", with_commas(mesh["fragments_removed"]));
+  if (!report.mesh()) return out;
+  const scene::MeshCounts& mesh = *report.mesh();
+  out += fmt::format("mesh: {} triangles, {} pieces, voxel {:.6g} m", with_commas(mesh.triangles),
+                     with_commas(mesh.components), scene.voxel);
+  if (mesh.metrics && mesh.metrics->closed) out += fmt::format(", closed, {:.6g} m3", mesh.metrics->volume);
+  if (mesh.fragments_removed > 0)
+    out += fmt::format(", {} floating pieces removed", with_commas(mesh.fragments_removed));
   return out + "\n";
 }
 
@@ -282,15 +269,16 @@ void run_scene(const scene::Document& document, const std::string& scene_file, c
       result = write_tiles(scene, files.meshes, outputs, written, console);
     else if (!files.meshes.empty() || !outputs.preview.empty() || !outputs.report.empty())
       result = write_whole(scene, files.meshes, outputs, written, console);
-    const std::string report = scene::report_json(scene, result ? &*result : nullptr, console.warnings());
+    const scene::Report report(scene, result ? &*result : nullptr);
+    const std::string json = report.json(console.warnings());
     if (!outputs.report.empty()) {
-      write_file(outputs.report, report);
+      write_file(outputs.report, json);
       written.emplace_back(outputs.report);
     }
     if (console.json())
-      console.result(report);
+      console.result(json);
     else
-      console.print(summary(Json::parse(report)));
+      console.print(summary(scene, report));
     if (!files.volumes.empty()) write_volumes(scene, outputs, files.volumes, written, console);
   }
   if (!outputs.save_scene.empty()) {

@@ -48,7 +48,7 @@ struct OutputOptions {
 /// A scene file (.toml), or a scene of nothing but an elevation model or a volume.
 scene::Document open_document(const std::string& path);
 bool is_scene_file(const std::string& path);
-/// By its extension.
+/// Whether a path is that of a mesh, which its extension says.
 bool is_mesh_file(const std::string& path);
 
 /// Builds, meshes and writes. Every output is checked before the work begins. `scene_file` is where the
@@ -58,7 +58,7 @@ void run_scene(const scene::Document& document, const std::string& scene_file, c
 
 /// Throws Error{output} when `path` could not be written, Error{usage} when it is one of `inputs`.
 void check_output(const std::filesystem::path& path, const std::vector<std::filesystem::path>& inputs);
-/// Every file that a document reads.
+/// The paths of all files that a document reads.
 std::vector<std::filesystem::path> inputs_of(const scene::Document& document);
 
 void write_file(const std::filesystem::path& path, const std::string& text);

@@ -41,13 +41,19 @@ scene::Document document_of(const Amplify& a) {
 
 std::function<int(Console&)> setup(Args& args) {
   auto a = std::make_shared<Amplify>();
-  args.positional("DEM", a->dem, "Elevation model, anything that GDAL reads");
+  args.positional("DEM", a->dem, "Path of an elevation model, anything that GDAL reads");
   args.group("Layers");
-  args.texts("-l,--layer", "LANDFORM", a->layers, "Landform to add, in this order; may be repeated");
-  args.text("--region", "FILE", a->region, "Polygon file (GeoJSON …): the layers act inside");
-  args.text("--points", "CSV", a->points, "Seed points x,y,z in the elevation model's CRS");
+  args.texts("-l,--layer", "LANDFORM", a->layers,
+             "Landform to add as a layer; may be repeated, and layers act in the order given");
+  args.text("--region", "FILE", a->region,
+            "Path of a polygon file (GeoJSON …), inside of which alone the layers act; default: they act "
+            "everywhere");
+  args.text("--points", "CSV", a->points,
+            "Path of a CSV (x,y,z) of places in the elevation model's CRS that the landforms start from; "
+            "default: they choose");
   args.texts("--geology", "KIND", a->geology,
-             "Kind of rock; several are blended, those that change rock change strata; default: strata");
+             "Kind of rock; may be repeated, and several are blended; one that changes other rock changes "
+             "strata; default: strata");
   a->scene.declare(args);
   a->outputs.declare(args);
   return [a](Console& console) {

@@ -13,7 +13,7 @@ std::function<int(Console&)> setup(Args& args) {
     OutputOptions outputs;
   };
   auto b = std::make_shared<Build>();
-  args.positional("SCENE", b->scene_file, "Scene file (.toml), or an elevation model or a volume");
+  args.positional("SCENE", b->scene_file, "Path of a scene file (.toml), an elevation model or a volume");
   b->scene.declare(args);
   b->outputs.declare(args);
   return [b](Console& console) {

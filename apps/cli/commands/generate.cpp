@@ -27,7 +27,7 @@ void set_value(const terrain::GeneratorType& type, Values& values, std::string_v
   std::string_view name = assignment.substr(0, equals);
   if (name.starts_with(type.about.name + ".")) name.remove_prefix(type.about.name.size() + 1);
   const ParamInfo& info = find_param(type.about.params, name, where);
-  values.insert_or_assign(info.name, parsed(info, assignment.substr(equals + 1), where));
+  values.insert_or_assign(info.name, parse_value(info, assignment.substr(equals + 1), where));
 }
 
 int run(const Generate& g, Console& console) {
@@ -39,7 +39,7 @@ int run(const Generate& g, Console& console) {
   Values values;
   for (const std::string& assignment : g.set) set_value(type, values, assignment);
   check_output(g.output, {});
-  raster::Raster raster = type.generate(values, static_cast<std::uint64_t>(g.seed.value_or(0)), console);
+  raster::Raster raster = type.generate(values, g.seed.value_or(0), console);
   // Says that coordinates are metres, so that no reader has to guess.
   if (raster.crs.empty())
     raster.crs = R"(LOCAL_CS["Local metres",UNIT["metre",1],AXIS["Easting",EAST],AXIS["Northing",NORTH]])";
@@ -51,10 +51,11 @@ int run(const Generate& g, Console& console) {
 
 std::function<int(Console&)> setup(Args& args) {
   auto g = std::make_shared<Generate>();
-  args.positional("GENERATOR", g->generator, "A built-in generator; see tafoni list generators");
+  args.positional("GENERATOR", g->generator, "Name of a built-in generator; see tafoni list generators");
   args.text("-o,--output", "TIF", g->output, "GeoTIFF to write");
-  args.texts("--set", "NAME=VALUE", g->set, "Set a parameter of the generator; may be repeated");
-  args.integer("--seed", "N", g->seed, 0, std::int64_t{1} << 53, "What every random choice is made from");
+  args.texts("--set", "NAME=VALUE", g->set, "Sets a parameter of the generator; may be repeated");
+  args.integer("--seed", "N", g->seed, 0, std::int64_t{1} << 53,
+               "Seed that every random choice is made from; default: 0");
   return [g](Console& console) { return run(*g, console); };
 }
 

@@ -146,7 +146,7 @@ Json scene_json(const scene::Document& d) {
   return out;
 }
 
-std::string listed(const Values& values) {
+std::string list_text(const Values& values) {
   std::string out;
   for (const auto& [name, value] : values)
     out += fmt::format("{}{} = {}", out.empty() ? "" : ", ", name, to_toml(value));
@@ -157,7 +157,7 @@ std::string geology_text(const std::vector<scene::GeologySettings>& list, const 
   std::string out;
   for (const scene::GeologySettings& g : list)
     out += fmt::format("{:<12} {}{}{}: {}\n", indent.empty() ? "geology" : "", indent, g.type,
-                       g.name.empty() ? "" : " \"" + g.name + "\"", listed(g.values)) +
+                       g.name.empty() ? "" : " \"" + g.name + "\"", list_text(g.values)) +
            geology_text(g.of, indent + "  ");
   return out;
 }
@@ -168,15 +168,15 @@ std::string scene_text(const scene::Document& d) {
                   d.scene.voxel > 0 ? fmt::format("{:g} m", d.scene.voxel) : "automatic", d.scene.boundary);
   out += fmt::format("terrain      R = {:g} m, T = {:g} m, {}, {} distance{}\n", d.terrain.influence,
                      d.terrain.amplitude, d.terrain.interpolation, d.terrain.distance,
-                     d.terrain.generator.empty()
-                         ? ""
-                         : fmt::format(", generator {} ({})", d.terrain.generator, listed(d.terrain.values)));
+                     d.terrain.generator.empty() ? ""
+                                                 : fmt::format(", generator {} ({})", d.terrain.generator,
+                                                               list_text(d.terrain.values)));
   if (d.geology.empty()) out += "geology      default\n";
   out += geology_text(d.geology, "");
   for (const auto& l : d.layers) {
     out += fmt::format("layer        {}{}{}: {}\n", l.type,
                        l.settings.name.empty() ? "" : " \"" + l.settings.name + "\"",
-                       l.settings.enabled ? "" : " (off)", listed(l.values));
+                       l.settings.enabled ? "" : " (off)", list_text(l.values));
   }
   return out;
 }
@@ -214,7 +214,7 @@ int run(const std::string& file, Console& console) {
 
 std::function<int(Console&)> setup(Args& args) {
   auto file = std::make_shared<std::string>();
-  args.positional("DEM|VOLUME|SCENE", *file, "Elevation model, volume or scene file (.toml)");
+  args.positional("DEM|VOLUME|SCENE", *file, "Path of an elevation model, a volume or a scene file (.toml)");
   return [file](Console& console) { return run(*file, console); };
 }
 

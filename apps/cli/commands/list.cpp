@@ -38,7 +38,7 @@ Json to_json(const CatalogueEntry& entry) {
 
 /// The item called `name`; throws naming the nearest one.
 template <class T>
-const T& named(const std::vector<T>& items, const std::string& name, const std::string& what) {
+const T& find_named(const std::vector<T>& items, const std::string& name, const std::string& what) {
   std::vector<std::string> known;
   for (const T& item : items) {
     if (item.name == name) return item;
@@ -54,9 +54,9 @@ int run(const List& list, Console& console) {
     return 0;
   }
   std::vector<Topic> chosen = topics;
-  if (!list.topic.empty()) chosen = {named(topics, list.topic, "topic")};
+  if (!list.topic.empty()) chosen = {find_named(topics, list.topic, "topic")};
   if (!list.name.empty()) {
-    const CatalogueEntry& entry = named(chosen.front().entries, list.name, "name");
+    const CatalogueEntry& entry = find_named(chosen.front().entries, list.name, "name");
     console.result(console.json() ? to_json(entry).dump(2) + "\n" : text(entry));
     return 0;
   }
@@ -72,9 +72,12 @@ int run(const List& list, Console& console) {
 
 std::function<int(Console&)> setup(Args& args) {
   auto list = std::make_shared<List>();
-  args.positional("TOPIC", list->topic, topic_names(), false);
-  args.positional("NAME", list->name, "One of the topic: its purpose, source and parameters", false);
-  args.flag("--markdown", list->markdown, "Write the whole reference as Markdown");
+  args.positional("TOPIC", list->topic, "What to list: " + topic_names() + "; default: all", false);
+  args.positional("NAME", list->name,
+                  "Entry of the topic to show with its purpose, source and parameters; default: all of them, "
+                  "by their purpose",
+                  false);
+  args.flag("--markdown", list->markdown, "Prints the whole reference as Markdown");
   return [list](Console& console) { return run(*list, console); };
 }
 

@@ -155,7 +155,7 @@ bool is_volume(const std::string& file) {
   return io::can(file, io::Ability::read_volume);
 }
 
-/// Of a mesh file or a volume.
+/// The mesh in a mesh file, or the surface of a volume.
 mesh::Mesh mesh_of(const std::string& file, Console& console) {
   if (is_volume(file)) return scene::mesh_scene(scene::build(open_document(file), console), console).mesh;
   if (is_scene_file(file))
@@ -197,17 +197,20 @@ int run_sgm(const Options& o, Console& console) {
 
 std::function<int(Console&)> setup(Args& args) {
   auto o = std::make_shared<Options>();
-  args.positional("MESH|VOLUME|SCENE", o->file,
-                  "Mesh file or volume; with --sgm, a scene file or an elevation model, too");
+  args.positional(
+      "MESH|VOLUME|SCENE", o->file,
+      "Path of a mesh or a volume; with --sgm, of a scene file (.toml) or an elevation model, too");
   args.group("Grammar caves");
   args.flag("--sgm", o->sgm,
-            "The seven measures of [Zawadzki], of a mesh, a volume or a scene's grammar-cave layer");
+            "Takes the seven measures of [Zawadzki], of a mesh, a volume or a scene's grammar-cave layer");
   args.text("--details", "L_D", o->details,
-            "Mesh detail of a scene's cave, 1 to 32, or a row for each as in 1..32");
+            "Mesh detail of a scene's cave from 1 to 32, or a range as in 1..32: more makes smaller "
+            "triangles; default: the layer's own");
   args.number("--cube", "M", o->cube, 1e-4, 1e4, "m",
-              "Edge of the cubes counted in a mesh; default a hundredth of its longest side");
-  args.text("--layer", "NAME", o->layer, "Which grammar-cave layer; default the first");
-  args.flag("--csv", o->csv, "A table, a row for each mesh detail");
+              "Edge of the cubes that are counted in a mesh: less is more exact and takes longer; default: a "
+              "hundredth of the longest side");
+  args.text("--layer", "NAME", o->layer, "Name of the grammar-cave layer to measure; default: the first");
+  args.flag("--csv", o->csv, "Prints a table with a row for each mesh detail");
   o->scene.declare(args);
   return [o](Console& console) {
     if (o->sgm) return run_sgm(*o, console);

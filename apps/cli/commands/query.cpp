@@ -61,8 +61,8 @@ std::string field_at(const scene::BuiltScene& scene, const std::vector<Vec3d>& w
   std::vector<float> values(world.size());
   std::vector<Vec3f> gradients(world.size());
   progress.begin("points", world.size(), "points");
-  parallel_blocks(static_cast<std::int64_t>(world.size()), 4096, [&](std::int64_t begin, std::int64_t end) {
-    const auto first = static_cast<std::size_t>(begin), count = static_cast<std::size_t>(end - begin);
+  parallel_blocks(std::ssize(world), 4096, [&](std::int64_t begin, std::int64_t end) {
+    const std::size_t first = begin, count = end - begin;
     field.gradients(std::span(local).subspan(first, count), std::span(values).subspan(first, count),
                     std::span(gradients).subspan(first, count));
     progress.advance(count);
@@ -85,7 +85,7 @@ query::WalkSettings walk_settings(const Query& q) {
   query::WalkSettings settings;
   settings.count = static_cast<int>(*q.walks);
   settings.roofed = !q.anywhere;
-  if (q.scene.seed) settings.seed = static_cast<std::uint64_t>(*q.scene.seed);
+  if (q.scene.seed) settings.seed = *q.scene.seed;
   if (q.walker.empty()) return settings;
   settings.walker.radius = q.walker[0], settings.walker.height = q.walker[1],
   settings.walker.step = q.walker[2];
@@ -152,17 +152,23 @@ int run(const Query& q, Console& console) {
 
 std::function<int(Console&)> setup(Args& args) {
   auto q = std::make_shared<Query>();
-  args.positional("SCENE", q->scene_file, "Scene file (.toml), elevation model, volume or mesh");
-  args.text("--points", "CSV", q->points,
-            "Points x,y,z in the scene's CRS: the field; - reads standard input");
+  args.positional("SCENE", q->scene_file,
+                  "Path of a scene file (.toml), an elevation model, a volume or a mesh");
+  args.text(
+      "--points", "CSV", q->points,
+      "Points x,y,z in the scene's CRS: the field's value and gradient at each; - reads standard input");
   q->questions.resize(all_questions().size());
   for (std::size_t i = 0; i < q->questions.size(); ++i)
     args.text(all_questions()[i].flag, "CSV", q->questions[i], all_questions()[i].doc);
   args.integer("--walk", "N", q->walks, 1, 1000000,
-               "Walk N random routes and tell how deep in rock the walker was");
-  args.numbers("--walker", "RADIUS,HEIGHT,STEP,SLOPE", q->walker, 4, "For --walk: metres and degrees");
-  args.flag("--anywhere", q->anywhere, "For --walk: begin in the open, too, not only under rock");
-  args.text("-o,--output", "CSV", q->output, "File to write; default: stdout");
+               "Walks N random routes and tells how deep in rock the walker was, which should be 0");
+  args.numbers("--walker", "RADIUS,HEIGHT,STEP,SLOPE", q->walker, 4,
+               "Size of the walker of --walk, the highest step it climbs, in metres, and the steepest ground "
+               "it stands "
+               "on, in degrees; default: 0.35,1.8,0.45,46");
+  args.flag("--anywhere", q->anywhere,
+            "Lets the routes of --walk begin in the open, too; default: only under rock");
+  args.text("-o,--output", "CSV", q->output, "CSV to write; default: standard output");
   q->scene.declare(args);
   return [q](Console& console) {
     const auto given =

@@ -14,13 +14,12 @@
 #include "tafoni/io/format.h"
 #include "tafoni/io/image_file.h"
 #include "tafoni/io/mesh_file.h"
+#include "tafoni/math/angle.h"
 #include "tafoni/scene/products/cut.h"
 #include "tafoni/scene/products/mesh_scene.h"
 
 namespace tafoni::cli::command_render {
 namespace {
-
-constexpr double degree = 3.14159265358979323846 / 180;
 
 struct Render {
   std::string input, output;
@@ -68,17 +67,21 @@ render::Camera camera_of(const Render& r, const render::Scene& scene,
   return camera;
 }
 
+// How a scene that is cut open is shown, chosen by eye, in degrees. The camera stands on the side that was
+// removed, turned a quarter of a right angle from square to the cut, so that the end wall shows as well, and
+// looks down so little that the cut is hardly foreshortened. The sun lies along the cut and models its edges.
+constexpr double cut_azimuth = -115, cut_elevation = 22, cut_sun_azimuth = 48;
+
 /// The scene cut open, looked at squarely enough that the cut shows undistorted.
 mesh::Mesh geology_of(const Render& r, const scene::Document& document, render::RenderSettings& settings,
                       Console& console) {
   const scene::BuiltScene scene = scene::build(document, console);
   scene::Cut cut = scene::middle_cut(scene);
   if (!r.cut.empty()) cut = {{r.cut[0], r.cut[1]}, {r.cut[2], r.cut[3]}};
-  // From the side that was removed, turned a quarter of a right angle so that the end wall shows as well.
   const Vec2d along = cut.to - cut.from;
-  if (!settings.azimuth) settings.azimuth = std::atan2(along.x, along.y) - 115 * degree;
-  if (!settings.elevation) settings.elevation = 22 * degree;
-  if (!settings.sun_azimuth) settings.sun_azimuth = std::atan2(along.x, along.y) + 48 * degree;
+  if (!settings.azimuth) settings.azimuth = std::atan2(along.x, along.y) + cut_azimuth * degree;
+  if (!settings.elevation) settings.elevation = cut_elevation * degree;
+  if (!settings.sun_azimuth) settings.sun_azimuth = std::atan2(along.x, along.y) + cut_sun_azimuth * degree;
   if (!r.haze) settings.haze = 0;
   return scene::cut_mesh(scene, cut, console);
 }
@@ -117,31 +120,45 @@ int run(const Render& r, Console& console) {
 
 std::function<int(Console&)> setup(Args& args) {
   auto r = std::make_shared<Render>();
-  args.positional("SCENE|MESH", r->input, "Scene file (.toml), elevation model, volume or mesh");
-  args.text("-o,--output", "PNG", r->output, "Picture to write");
+  args.positional("SCENE|MESH", r->input,
+                  "Path of a scene file (.toml), an elevation model, a volume or a mesh");
+  args.text("-o,--output", "PNG", r->output, "Picture to write, a PNG");
   args.group("View");
   args.numbers("--camera", "EX,EY,EZ,TX,TY,TZ", r->camera, 6,
-               "Eye and target in the scene's CRS; default: frames the terrain");
+               "Places of the eye and of what it looks at, in the scene's CRS; default: outside, where all "
+               "of the terrain is in view");
   args.optional_numbers("--inside", "X,Y,Z", r->is_inside, r->inside, 3,
-                        "A lamp in a cave, at X,Y,Z or else in the roomiest one; write --inside=X,Y,Z");
-  args.number("--fov", "DEG", r->fov, 1, 170, "degrees", "Vertical angle of view");
-  args.number("--azimuth", "DEG", r->azimuth, -360, 360, "degrees",
-              "Direction of view, clockwise from north");
-  args.number("--elevation", "DEG", r->elevation, -90, 90, "degrees", "How far the camera looks down");
-  args.numbers("--size", "W,H", r->size, 2, "Pixels; default 1280,720");
-  args.integer("--samples", "N", r->samples, 1, 4096, "Rays a pixel; default 8");
-  args.flag("--geology", r->geology, "Cut the terrain open and colour it by resistance: pale is resistant");
+                        "Looks from within a cave, by a lamp at the eye: at X,Y,Z, written --inside=X,Y,Z, "
+                        "or else in the roomiest cave");
+  args.number(
+      "--fov", "DEG", r->fov, 1, 170, "degrees",
+      "Vertical angle of view: more shows more, and all of it smaller; default: 35, with --inside 69");
+  args.number(
+      "--azimuth", "DEG", r->azimuth, -360, 360, "degrees",
+      "Direction of view, clockwise from north; default: the one that shows most of cliffs and undercuts");
+  args.number(
+      "--elevation", "DEG", r->elevation, -90, 90, "degrees",
+      "How far the camera looks down, below 0 up; default: the one that shows most of cliffs and undercuts");
+  args.numbers("--size", "W,H", r->size, 2, "Width and height of the picture in pixels; default: 1280,720");
+  args.integer("--samples", "N", r->samples, 1, 4096,
+               "Rays a pixel: more leaves less grain and takes longer; default: 8");
+  args.flag("--geology", r->geology,
+            "Cuts the terrain open and colours it by the rock's resistance: the paler, the more resistant");
   args.numbers("--cut", "X0,Y0,X1,Y1", r->cut, 4,
-               "Line of the cut in the scene's CRS; what lies right of it is removed; default: west to east "
-               "through the middle");
+               "Ends of the line of the cut in the scene's CRS; what lies right of it is removed; default: "
+               "from west to east through the middle");
   args.group("Light");
   args.number("--sun-azimuth", "DEG", r->sun_azimuth, -360, 360, "degrees",
-              "Where the sun stands, clockwise from north");
+              "Where the sun stands, clockwise from north; default: to the left of the camera");
   args.number("--sun-elevation", "DEG", r->sun_elevation, 0, 90, "degrees",
-              "Height of the sun above the horizon");
-  args.number("--exposure", "F", r->exposure, 0.01, 100, "", "Factor on the light");
-  args.number("--haze", "F", r->haze, 0, 10, "", "Strength of the haze; 0 switches it off");
-  args.number("--sea-level", "M", r->sea_level, -2e4, 2e4, "m", "Elevation of a water surface to draw");
+              "Height of the sun above the horizon: less makes longer shadows; default: 34");
+  args.number("--exposure", "F", r->exposure, 0.01, 100, "",
+              "Factor on the light: more makes the picture brighter; default: 1");
+  args.number(
+      "--haze", "F", r->haze, 0, 10, "",
+      "Strength of the haze: more fades what is far away, 0 switches it off; default: 1, with --geology 0");
+  args.number("--sea-level", "M", r->sea_level, -2e4, 2e4, "m",
+              "Elevation of a water surface to draw; default: the scene's own, if it has one");
   r->scene.declare(args);
   return [r](Console& console) { return run(*r, console); };
 }

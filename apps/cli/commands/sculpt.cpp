@@ -69,8 +69,8 @@ void edit(const Sculpt& s, scene::Session& session, std::size_t layer,
   const auto say = [&](const char* what, std::size_t n) {
     if (!console.json()) console.print(fmt::format("{}  {} stroke{}\n", what, n, n == 1 ? "" : "s"));
   };
-  if (s.undo) say("undone", session.undo(layer, static_cast<std::size_t>(*s.undo)));
-  if (s.redo) say("redone", session.redo(layer, static_cast<std::size_t>(*s.redo)));
+  if (s.undo) say("undone", session.undo(layer, *s.undo));
+  if (s.redo) say("redone", session.redo(layer, *s.redo));
   if (s.go_to) session.go_to(layer, *s.go_to);
   if (s.mute) session.mute_stroke(layer, *s.mute, true);
   if (s.unmute) session.mute_stroke(layer, *s.unmute, false);
@@ -107,24 +107,26 @@ int run(const Sculpt& s, Console& console) {
 
 std::function<int(Console&)> setup(Args& args) {
   auto s = std::make_shared<Sculpt>();
-  args.positional("SCENE", s->scene_file, "Scene file (.toml)");
-  args.text("--layer", "NAME", s->layer, "Sculpt layer; made if there is none; default: the last one");
+  args.positional("SCENE", s->scene_file, "Path of a scene file (.toml)");
+  args.text("--layer", "NAME", s->layer,
+            "Name of the sculpt layer, which is made where there is none; default: the last one");
   args.group("Strokes");
-  args.texts("--stroke", "STROKE", s->strokes,
-             "Brush, points and parameters, as in \"sphere at=10,20,5 radius=4\"; may be repeated");
+  args.texts(
+      "--stroke", "STROKE", s->strokes,
+      "Stroke to add: a brush, points and parameters, as in \"sphere at=10,20,5 radius=4\"; may be repeated");
   args.text("--strokes", "FILE", s->strokes_file,
-            "File of strokes, one a line or JSON; - reads standard input");
-  args.integer("--undo", "N", s->undo, 1, 1000000000, "Take back the last N strokes");
-  args.integer("--redo", "N", s->redo, 1, 1000000000, "Bring back N strokes");
+            "Path of a file of strokes to add, one a line or JSON; - reads standard input");
+  args.integer("--undo", "N", s->undo, 1, 1000000000, "Takes back the last N strokes");
+  args.integer("--redo", "N", s->redo, 1, 1000000000, "Brings back N strokes that were taken back");
   args.integer("--go-to", "ID", s->go_to, 0, std::int64_t{1} << 53,
-               "Go back or across to the moment when stroke ID was the last; 0 is the beginning");
+               "Goes to the moment when stroke ID was the last, undone or not; 0 is the beginning");
   args.integer("--mute", "ID", s->mute, 1, std::int64_t{1} << 53,
-               "Leave a stroke out, without forgetting it");
-  args.integer("--unmute", "ID", s->unmute, 1, std::int64_t{1} << 53, "Let a stroke act again");
-  args.flag("--list", s->list, "Print the layer's strokes with their ids");
-  args.flag("--all", s->all, "Print every stroke ever made, undone ones included");
+               "Leaves the stroke ID out without forgetting it");
+  args.integer("--unmute", "ID", s->unmute, 1, std::int64_t{1} << 53, "Lets the stroke ID act again");
+  args.flag("--list", s->list, "Prints the layer's strokes with their ids");
+  args.flag("--all", s->all, "Prints every stroke ever made, those that were undone, too");
   args.text("--write", "FILE", s->write,
-            "Write the layer's strokes as a text file, for a layer's strokes key");
+            "Text file to write the layer's strokes to, which a layer can take as strokes = \"FILE\"");
   s->scene.declare(args);
   s->outputs.declare(args);
   return [s](Console& console) { return run(*s, console); };

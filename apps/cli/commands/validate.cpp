@@ -67,8 +67,8 @@ std::function<int(Console&)> setup(Args& args) {
     bool closed = false;
   };
   auto v = std::make_shared<Validate>();
-  args.positional("MESH", v->file, "Mesh file");
-  args.flag("--closed", v->closed, "Also take an open border for a defect");
+  args.positional("MESH", v->file, "Path of a mesh");
+  args.flag("--closed", v->closed, "Counts an open border as a defect, too; default: a mesh may be open");
   return [v](Console& console) { return run(v->file, v->closed, console); };
 }
 

@@ -14,7 +14,7 @@
 namespace tafoni {
 namespace {
 
-std::string trimmed(std::string_view text) {
+std::string trim(std::string_view text) {
   const auto first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos) return {};
   const auto last = text.find_last_not_of(" \t\r\n");
@@ -130,7 +130,7 @@ Value checked_rows(const ParamInfo& info, const Value& value, std::string_view w
     for (auto& [name, text] : out[i]) {
       const ParamInfo& column = find_param(info.columns, name, row);
       check_cell(column, text, row);
-      if (trimmed(text).empty()) text = std::get<std::string>(column.init);
+      if (trim(text).empty()) text = std::get<std::string>(column.init);
     }
     for (const ParamInfo& column : info.columns)
       out[i].try_emplace(column.name, std::get<std::string>(column.init));
@@ -166,7 +166,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
-std::string quoted(const std::string& text) {
+std::string quote(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
@@ -193,7 +193,7 @@ std::string real_text(double v) {
 
 std::string row_text(const Row& row) {
   std::string out = "{";
-  for (const auto& [name, text] : row) out += (out.size() > 1 ? ", " : "") + name + " = " + quoted(text);
+  for (const auto& [name, text] : row) out += (out.size() > 1 ? ", " : "") + name + " = " + quote(text);
   return out + "}";
 }
 
@@ -247,7 +247,7 @@ void ParamList::add_rows(std::string_view name, const void* object, const void* 
                          std::vector<ParamInfo> columns, std::string_view doc) {
   ParamInfo& info = add(name, ValueKind::rows, object, member, doc);
   info.columns = std::move(columns);
-  info.init = checked(info, info.init, "default");
+  info.init = check_value(info, info.init, "default");
 }
 
 void ParamList::limit_last(std::string_view when, Values with) {
@@ -298,16 +298,16 @@ std::optional<std::vector<double>> numbers_in(std::string_view text) {
 }
 
 void check_cell(const ParamInfo& column, const std::string& text, std::string_view where) {
-  if (trimmed(text).empty()) return;
+  if (trim(text).empty()) return;
   if (column.kind == ValueKind::choice) checked_choice(column, text, where);
   if (column.kind != ValueKind::real && column.kind != ValueKind::numbers) return;
   const auto numbers = numbers_in(text);
   if (!numbers || (column.count != 0 && numbers->size() != column.count))
-    wrong_kind(column, quoted(text), where);
+    wrong_kind(column, quote(text), where);
   for (const double v : *numbers) check_range(column, v, fmt::format("{}", v), where);
 }
 
-Value checked(const ParamInfo& info, const Value& value, std::string_view where) {
+Value check_value(const ParamInfo& info, const Value& value, std::string_view where) {
   const auto* integer = std::get_if<std::int64_t>(&value);
   const auto* real = std::get_if<double>(&value);
   switch (info.kind) {
@@ -339,9 +339,9 @@ Value checked(const ParamInfo& info, const Value& value, std::string_view where)
   wrong_kind(info, to_toml(value), where);
 }
 
-Value parsed(const ParamInfo& info, std::string_view raw, std::string_view where) {
-  const std::string text = trimmed(raw);
-  const std::string shown = quoted(text);
+Value parse_value(const ParamInfo& info, std::string_view raw, std::string_view where) {
+  const std::string text = trim(raw);
+  const std::string shown = quote(text);
   switch (info.kind) {
     case ValueKind::boolean: {
       const std::string word = lower(text);
@@ -350,15 +350,15 @@ Value parsed(const ParamInfo& info, std::string_view raw, std::string_view where
       wrong_kind(info, shown, where);
     }
     case ValueKind::integer:
-      if (const auto v = whole(text)) return checked(info, *v, where);
-      if (const auto v = number(text); v && exact_integer(*v)) return checked(info, *v, where);
+      if (const auto v = whole(text)) return check_value(info, *v, where);
+      if (const auto v = number(text); v && exact_integer(*v)) return check_value(info, *v, where);
       wrong_kind(info, shown, where);
     case ValueKind::real:
-      if (const auto v = number(text)) return checked(info, *v, where);
+      if (const auto v = number(text)) return check_value(info, *v, where);
       wrong_kind(info, shown, where);
     case ValueKind::text:
     case ValueKind::choice:
-      return checked(info, text, where);
+      return check_value(info, text, where);
     case ValueKind::rows:
       fail(ErrorKind::usage, "{}: {} is a table, which only a scene file can give", where, info.name);
     case ValueKind::numbers:
@@ -367,24 +367,24 @@ Value parsed(const ParamInfo& info, std::string_view raw, std::string_view where
   std::string_view body = text;
   if (!body.empty() && body.front() == '[' && body.back() == ']') body = body.substr(1, body.size() - 2);
   std::vector<double> list;
-  for (std::size_t begin = 0; !trimmed(body).empty() && begin <= body.size();) {
+  for (std::size_t begin = 0; !trim(body).empty() && begin <= body.size();) {
     const std::size_t end = std::min(body.find(',', begin), body.size());
-    const auto v = number(trimmed(body.substr(begin, end - begin)));
+    const auto v = number(trim(body.substr(begin, end - begin)));
     if (!v) wrong_kind(info, shown, where);
     list.push_back(*v);
     begin = end + 1;
   }
-  return checked(info, list, where);
+  return check_value(info, list, where);
 }
 
 void assign(std::span<const ParamInfo> infos, void* object, const Values& values, std::string_view where) {
   for (const auto& [name, value] : values) {
     const ParamInfo& info = find_param(infos, name, where);
-    ParamInfo::store(info, object, checked(info, value, where));
+    ParamInfo::store(info, object, check_value(info, value, where));
   }
   for (const ParamInfo& info : infos)
     if (info.kind == ValueKind::rows && !values.contains(info.name))
-      ParamInfo::store(info, object, checked(info, ParamInfo::load(info, object), where));
+      ParamInfo::store(info, object, check_value(info, ParamInfo::load(info, object), where));
 }
 
 const ParamInfo& find_param(std::span<const ParamInfo> infos, std::string_view name, std::string_view where) {
@@ -428,7 +428,7 @@ std::string to_toml(const Value& value) {
   if (const auto* v = std::get_if<bool>(&value)) return *v ? "true" : "false";
   if (const auto* v = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *v);
   if (const auto* v = std::get_if<double>(&value)) return real_text(*v);
-  if (const auto* v = std::get_if<std::string>(&value)) return quoted(*v);
+  if (const auto* v = std::get_if<std::string>(&value)) return quote(*v);
   std::string out = "[";
   if (const auto* rows = std::get_if<Rows>(&value)) {
     for (const Row& row : *rows) out += (out.size() > 1 ? ", " : "") + row_text(row);

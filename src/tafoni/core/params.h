@@ -134,10 +134,10 @@ void check_cell(const ParamInfo& column, const std::string& text, std::string_vi
 /// Checks `value` against `info` and converts where nothing is lost (an integer for a real, a number for a
 /// list of one); gives rows the columns that they lack. Throws Error{usage}: "WHERE: NAME = 12 is outside 0
 /// to 10 m".
-Value checked(const ParamInfo& info, const Value& value, std::string_view where);
+Value check_value(const ParamInfo& info, const Value& value, std::string_view where);
 
 /// Reads what `--set NAME=TEXT` says as `info`'s kind; rows cannot be said so. Throws Error{usage}.
-Value parsed(const ParamInfo& info, std::string_view text, std::string_view where);
+Value parse_value(const ParamInfo& info, std::string_view text, std::string_view where);
 
 /// Stores `values` into the object of `infos`. An unknown name is an error that names the nearest known one.
 /// Rows that `values` do not name keep what the object has, with the columns that they lack.

@@ -60,8 +60,8 @@ void ChunkEvaluator::watch(const Progress& progress) {
 ChunkEvaluator::Range ChunkEvaluator::column(int a, int b) {
   State& s = *state_;
   s.frame.chunk = {a, b, 0};
-  s.frame.x.set(static_cast<std::int64_t>(a) * chunk_cells, s.frame.voxel, s.frame.origin.x);
-  s.frame.y.set(static_cast<std::int64_t>(b) * chunk_cells, s.frame.voxel, s.frame.origin.y);
+  s.frame.x.set(std::int64_t{a} * chunk_cells, s.frame.voxel, s.frame.origin.x);
+  s.frame.y.set(std::int64_t{b} * chunk_cells, s.frame.voxel, s.frame.origin.y);
   const Interval z = s.work.set_column();
   const double size = s.frame.voxel * chunk_cells;
   Range range;
@@ -131,7 +131,7 @@ bool ChunkEvaluator::evaluate(int c, const BrickBox& box, ChunkSamples& out) {
   State& s = *state_;
   impl::ChunkFrame& frame = s.frame;
   frame.chunk.z = c;
-  frame.z.set(static_cast<std::int64_t>(c) * chunk_cells, frame.voxel, frame.origin.z);
+  frame.z.set(std::int64_t{c} * chunk_cells, frame.voxel, frame.origin.z);
   out.chunk = frame.chunk;
   out.evaluated = 0;
   out.f.resize(ChunkSamples::nx * ChunkSamples::ny * ChunkSamples::nz);

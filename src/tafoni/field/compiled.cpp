@@ -24,6 +24,14 @@ CompiledField compile(const NodePtr& root) {
 
 namespace {
 
+// Chosen for speed: others give the same values. Only a pack has the width of the widest vectors.
+constexpr std::size_t pack_size = 8;
+constexpr std::size_t few = 64;         // points that are not worth sorting
+constexpr std::size_t group_size = 64;  // points at most that look for primitives together
+constexpr float group_reaches = 3;      // how wide these may be, in mean reaches of the primitives
+constexpr std::size_t ahead = 32;       // points whose memory is asked for in advance
+constexpr std::size_t share = 2048;     // points of one task
+
 /// Order of points along a space-filling curve, so that neighbours share a pack. Radix sort of 32-bit keys;
 /// any order gives the same values.
 std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points) {
@@ -66,7 +74,6 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3d> points) {
 /// found.
 template <class Run>
 void in_packs(const Program& program, std::span<const Vec3d> points, bool with_gradients, const Run& run) {
-  constexpr std::size_t few = 64, group_size = 64, pack_size = 8;
   std::vector<std::uint32_t> order;
   if (points.size() > few) {
     order = spatial_order(points);
@@ -75,11 +82,10 @@ void in_packs(const Program& program, std::span<const Vec3d> points, bool with_g
     std::iota(order.begin(), order.end(), 0u);
   }
   // A group grows past one pack only while it stays as small as the primitives it would find.
-  const float spread = program.reach * 3;
+  const float spread = program.reach * group_reaches;
   const auto group_end = [&](std::size_t begin, std::size_t end) {
     Box3f box;
     std::size_t i = begin;
-    constexpr std::size_t ahead = 32;
     for (; i < std::min(begin + group_size, end); ++i) {
       // The points lie scattered in memory; sorting gave only their order.
       __builtin_prefetch(&points[order[std::min(i + ahead, order.size() - 1)]]);
@@ -106,7 +112,6 @@ void in_packs(const Program& program, std::span<const Vec3d> points, bool with_g
       }
     }
   };
-  constexpr std::size_t share = 2048;
   if (points.size() <= share) return groups(0, points.size());
   parallel_blocks(points.size(), share, [&](std::int64_t begin, std::int64_t end) { groups(begin, end); });
 }

@@ -22,19 +22,17 @@ class Cells {
   Cells(const Box3d& area, double cell)
       : area_(area),
         cell_(cell),
-        width_(ceil_to<std::size_t>(area.size().x / cell)),
-        height_(ceil_to<std::size_t>(area.size().y / cell)),
-        marked_(width_ * height_) {}
+        width_(ceil_to(area.size().x / cell)),
+        height_(ceil_to(area.size().y / cell)),
+        marked_(std::ptrdiff_t{width_} * height_) {}
 
   void mark(double x, double y, double radius) {
-    const auto first = [](double v, std::size_t n) {
-      return static_cast<std::size_t>(std::clamp(std::ceil(v), 0.0, static_cast<double>(n)));
-    };
+    const auto first = [](double v, int n) { return ceil_to(std::clamp<double>(v, 0, n)); };
     const double cx = (x - area_.lo.x) / cell_ - 0.5, cy = (y - area_.lo.y) / cell_ - 0.5, r = radius / cell_;
-    for (std::size_t j = first(cy - r, height_); static_cast<double>(j) <= cy + r && j < height_; ++j) {
-      const double dy = static_cast<double>(j) - cy, half = std::sqrt(std::max(r * r - dy * dy, 0.0));
-      for (std::size_t i = first(cx - half, width_); static_cast<double>(i) <= cx + half && i < width_; ++i)
-        marked_[j * width_ + i] = true;
+    for (int j = first(cy - r, height_); j <= cy + r && j < height_; ++j) {
+      const double dy = j - cy, half = std::sqrt(std::max(r * r - dy * dy, 0.0));
+      for (int i = first(cx - half, width_); i <= cx + half && i < width_; ++i)
+        marked_[std::ptrdiff_t{j} * width_ + i] = true;
     }
   }
   double share() const {
@@ -45,7 +43,7 @@ class Cells {
  private:
   Box3d area_;
   double cell_;
-  std::size_t width_, height_;
+  int width_, height_;
   std::vector<bool> marked_;
 };
 

@@ -2,6 +2,8 @@
 
 #include "tafoni/field/function.h"
 
+// Functions of space as leaves of a tree, and trees as functions. A gradient is taken from four corners of a
+// tetrahedron, the fewest from which all three slopes follow.
 #include <algorithm>
 #include <vector>
 
@@ -13,7 +15,8 @@
 namespace tafoni::field {
 
 void Function::gradients(std::span<const Vec3d> points, std::span<Vec3f> out) const {
-  constexpr std::size_t batch = 32, corners = 4;
+  constexpr std::size_t batch = 32;  // points at a time: their corners fit the stack
+  constexpr std::size_t corners = 4;
   constexpr Vec3d corner[corners] = {{1, -1, -1}, {-1, -1, 1}, {-1, 1, -1}, {1, 1, 1}};
   const double h = step();
   const auto scale = static_cast<float>(0.25 / h);
@@ -119,7 +122,7 @@ int impl::depth_of(const Function* function) {
 
 NodePtr impl::make_nested(std::unique_ptr<const NestedNode> content) {
   auto node = std::make_shared<Node>(std::move(content));
-  constexpr int limit = 64;
+  constexpr int limit = 64;  // each level asks the next in a call: the stack must hold all of them
   if (node->depth > limit)
     fail(ErrorKind::usage, "operators that move space lie more than {} deep in one another; remove some",
          limit);

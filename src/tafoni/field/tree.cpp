@@ -145,6 +145,8 @@ void add_segment(CloudBuilder& cloud, Vec3d from, Vec3d to, double radius, doubl
 
 void add_curve(CloudBuilder& cloud, std::span<const Vec3d> points, double radius, double energy,
                double tolerance) {
+  constexpr double most_chords =
+      256;  // between two points, however small the tolerance: beyond it none is seen
   if (points.size() < 2) fail(ErrorKind::input, "a curve wants at least two points");
   if (!(tolerance > 0)) fail(ErrorKind::usage, "a curve's tolerance must be a positive length in metres");
   std::vector<float> shape{static_cast<float>(radius)};
@@ -157,9 +159,9 @@ void add_curve(CloudBuilder& cloud, std::span<const Vec3d> points, double radius
     // A chord over a parameter step s strays at most s^2 / 8 times the greatest second derivative.
     const double bend = std::max(length(b), length(a * 3.0 + b));
     const double wanted = std::ceil(std::sqrt(bend / (8 * tolerance)));
-    const int steps = static_cast<int>(std::clamp(std::isfinite(wanted) ? wanted : 1.0, 1.0, 256.0));
+    const int steps = static_cast<int>(std::clamp(std::isfinite(wanted) ? wanted : 1.0, 1.0, most_chords));
     for (int k = 1; k <= steps; ++k) {
-      const double t = static_cast<double>(k) / steps;
+      const double t = 1.0 * k / steps;
       const Vec3d p = k == steps ? p2 : p1 + ((a * t + b) * t + c) * (0.5 * t);
       const Vec3f d = to_float(p - points[0]);
       shape.insert(shape.end(), {d.x, d.y, d.z});
@@ -197,7 +199,7 @@ namespace {
 
 NodePtr combine_two(std::string_view op, NodePtr a, NodePtr b, double parameter) {
   const OperatorType& type = find_operator(op);
-  checked(type.about.params.front(), parameter, op);
+  check_value(type.about.params.front(), parameter, op);
   return std::make_shared<Node>(
       Node::Operation{&type, {std::move(a), std::move(b)}, static_cast<float>(parameter)});
 }

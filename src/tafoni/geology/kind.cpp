@@ -63,7 +63,7 @@ GeologyPtr make_geology(std::string_view name, const Values& values, std::vector
          children.empty() ? "none" : fmt::format("{}", children.size()));
   Values valid;
   for (const auto& [key, value] : values)
-    valid[key] = checked(find_param(type.about.params, key, name), value, name);
+    valid[key] = check_value(find_param(type.about.params, key, name), value, name);
   for (GeologyPtr& child : children) child = shift_by(std::move(child), -origin);
   return shift_by(type.make(valid, std::move(children), seed), origin);
 }

@@ -44,7 +44,7 @@ struct Session::State {
     return document.layers[index];
   }
 
-  /// Null for a layer without one.
+  /// The journal of a layer, opened when it is first asked for; null for a layer without one.
   Journal* journal(const Layer& layer) {
     const std::string path = impl::stroke_files(layer).journal;
     if (path.empty()) return nullptr;

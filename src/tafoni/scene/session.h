@@ -19,7 +19,7 @@
 
 namespace tafoni::scene {
 
-/// What update() did.
+/// What update() did: what the scene is now, where it changed, and what was made again.
 struct Update {
   std::shared_ptr<const BuiltScene> scene;
   /// Local metres. Outside of these boxes the field has the same values as after the update before, bit for

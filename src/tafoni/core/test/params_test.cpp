@@ -65,7 +65,7 @@ std::string set_error(const Values& values) {
 }
 
 std::string parse_error(std::string_view name, std::string_view text) {
-  return error_of([&] { parsed(info(name), text, "sea-cliff"); });
+  return error_of([&] { parse_value(info(name), text, "sea-cliff"); });
 }
 
 TEST(Params, AssignStoresEveryKind) {
@@ -96,24 +96,24 @@ TEST(Params, LoadGivesBackWhatIsStored) {
 }
 
 TEST(Params, ConvertsWhereNothingIsLost) {
-  EXPECT_EQ(checked(info("range"), Value(std::int64_t{4}), "w"), Value(4.0));
-  EXPECT_EQ(checked(info("steps"), Value(4.0), "w"), Value(std::int64_t{4}));
-  EXPECT_EQ(checked(info("weights"), Value(0.5), "w"), Value(std::vector<double>{0.5}));
-  EXPECT_EQ(checked(info("weights"), Value(std::int64_t{1}), "w"), Value(std::vector<double>{1}));
-  EXPECT_EQ(error_of([&] { checked(info("steps"), Value(4.5), "w"); }),
+  EXPECT_EQ(check_value(info("range"), Value(std::int64_t{4}), "w"), Value(4.0));
+  EXPECT_EQ(check_value(info("steps"), Value(4.0), "w"), Value(std::int64_t{4}));
+  EXPECT_EQ(check_value(info("weights"), Value(0.5), "w"), Value(std::vector<double>{0.5}));
+  EXPECT_EQ(check_value(info("weights"), Value(std::int64_t{1}), "w"), Value(std::vector<double>{1}));
+  EXPECT_EQ(error_of([&] { check_value(info("steps"), Value(4.5), "w"); }),
             "w: steps must be a whole number, 1 to 8, not 4.5");
-  EXPECT_THAT(error_of([&] { checked(info("steps"), Value(1e300), "w"); }),
+  EXPECT_THAT(error_of([&] { check_value(info("steps"), Value(1e300), "w"); }),
               HasSubstr("w: steps must be a whole number, 1 to 8, not 1e+300"));
-  EXPECT_EQ(error_of([&] { checked(info("wet"), Value(std::int64_t{1}), "w"); }),
+  EXPECT_EQ(error_of([&] { check_value(info("wet"), Value(std::int64_t{1}), "w"); }),
             "w: wet must be true or false, not 1");
 }
 
 TEST(Params, LimitsBelongToTheRange) {
-  EXPECT_EQ(checked(info("range"), Value(0.1), "w"), Value(0.1));
-  EXPECT_EQ(checked(info("range"), Value(1000.0), "w"), Value(1000.0));
-  EXPECT_THAT(error_of([&] { checked(info("range"), Value(std::nextafter(1000.0, 2000.0)), "w"); }),
+  EXPECT_EQ(check_value(info("range"), Value(0.1), "w"), Value(0.1));
+  EXPECT_EQ(check_value(info("range"), Value(1000.0), "w"), Value(1000.0));
+  EXPECT_THAT(error_of([&] { check_value(info("range"), Value(std::nextafter(1000.0, 2000.0)), "w"); }),
               HasSubstr("is outside 0.1 to 1000 m"));
-  EXPECT_THAT(error_of([&] { checked(info("range"), Value(std::nan("")), "w"); }),
+  EXPECT_THAT(error_of([&] { check_value(info("range"), Value(std::nan("")), "w"); }),
               HasSubstr("w: range = nan is outside 0.1 to 1000 m"));
 }
 
@@ -145,16 +145,16 @@ TEST(Params, UnknownNameGetsTheNearest) {
 }
 
 TEST(Params, ParsesText) {
-  EXPECT_EQ(parsed(info("range"), " 2.5e1 ", "w"), Value(25.0));
-  EXPECT_EQ(parsed(info("steps"), "4", "w"), Value(std::int64_t{4}));
-  EXPECT_EQ(parsed(info("steps"), "4.0", "w"), Value(std::int64_t{4}));
-  EXPECT_EQ(parsed(info("wet"), "Yes", "w"), Value(true));
-  EXPECT_EQ(parsed(info("wet"), "off", "w"), Value(false));
-  EXPECT_EQ(parsed(info("label"), "a = b", "w"), Value(std::string("a = b")));
-  EXPECT_EQ(parsed(info("profile"), "hard", "w"), Value(std::string("hard")));
-  EXPECT_EQ(parsed(info("axis"), "0,1 , -0.5", "w"), Value(std::vector<double>{0, 1, -0.5}));
-  EXPECT_EQ(parsed(info("axis"), "[0, 1, 0]", "w"), Value(std::vector<double>{0, 1, 0}));
-  EXPECT_EQ(parsed(info("weights"), "[]", "w"), Value(std::vector<double>{}));
+  EXPECT_EQ(parse_value(info("range"), " 2.5e1 ", "w"), Value(25.0));
+  EXPECT_EQ(parse_value(info("steps"), "4", "w"), Value(std::int64_t{4}));
+  EXPECT_EQ(parse_value(info("steps"), "4.0", "w"), Value(std::int64_t{4}));
+  EXPECT_EQ(parse_value(info("wet"), "Yes", "w"), Value(true));
+  EXPECT_EQ(parse_value(info("wet"), "off", "w"), Value(false));
+  EXPECT_EQ(parse_value(info("label"), "a = b", "w"), Value(std::string("a = b")));
+  EXPECT_EQ(parse_value(info("profile"), "hard", "w"), Value(std::string("hard")));
+  EXPECT_EQ(parse_value(info("axis"), "0,1 , -0.5", "w"), Value(std::vector<double>{0, 1, -0.5}));
+  EXPECT_EQ(parse_value(info("axis"), "[0, 1, 0]", "w"), Value(std::vector<double>{0, 1, 0}));
+  EXPECT_EQ(parse_value(info("weights"), "[]", "w"), Value(std::vector<double>{}));
 }
 
 TEST(Params, ParseErrors) {
@@ -172,9 +172,9 @@ TEST(Params, RowsGetTheColumnsTheyLack) {
   const Rows given = {{{"from", "A"}}, {{"to", "B"}, {"chance", "0.2"}}};
   const Rows full = {{{"from", "A"}, {"to", ""}, {"chance", "1"}},
                      {{"from", ""}, {"to", "B"}, {"chance", "0.2"}}};
-  EXPECT_EQ(checked(info("rule"), given, "w"), Value(full));
-  EXPECT_EQ(checked(info("rule"), full, "w"), Value(full));
-  EXPECT_EQ(checked(info("rule"), std::vector<double>{}, "w"), Value(Rows{}));
+  EXPECT_EQ(check_value(info("rule"), given, "w"), Value(full));
+  EXPECT_EQ(check_value(info("rule"), full, "w"), Value(full));
+  EXPECT_EQ(check_value(info("rule"), std::vector<double>{}, "w"), Value(Rows{}));
   EXPECT_EQ(std::get<Rows>(info("rule").init)[1].at("to"), "");
   Example e;
   assign(infos(), &e, {}, "hoodoo");
@@ -202,7 +202,7 @@ TEST(Params, CellsHoldWhatTheirColumnsSay) {
                    numbers_column("points", "", "m", 0, -9, 9, "corners"),
                    choice_column("shape", "", {"sphere", "box"}, "what")};
   const auto row = [&](const char* column, const char* text) {
-    return std::get<Rows>(checked(table, Rows{{}, {{column, text}}}, "dig"))[1].at(column);
+    return std::get<Rows>(check_value(table, Rows{{}, {{column, text}}}, "dig"))[1].at(column);
   };
   EXPECT_EQ(row("at", "1, 2 -3e0"), "1, 2 -3e0");
   EXPECT_EQ(row("at", " "), "");

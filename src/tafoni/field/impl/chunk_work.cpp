@@ -78,7 +78,7 @@ Interval ChunkWork::set_column() {
     kernels_.domain_columns(leaf, x, y, d.columns);
     d.value = brick_ranges(d.columns.value);
     d.all_value = join(d.value);
-    const float base = static_cast<float>(leaf.domain.box.lo.z);
+    const float base = leaf.base();
     include(base - leaf.sigma.influence, base + leaf.sigma.influence);
   }
   constexpr float tall = static_cast<float>(reach_limit);
@@ -89,7 +89,7 @@ Interval ChunkWork::set_column() {
     found.clear();
     program_.clouds[i]->collect(column, found);
     for (std::size_t p = 0; p < found.size(); ++p) {
-      const float c = static_cast<float>(to_metres(found.z[p]));
+      const float c = to_float_metres(found.z[p]);
       include(c - found.reach[p], c + found.reach[p]);
     }
   }
@@ -127,9 +127,8 @@ std::size_t ChunkWork::list_primitives(CloudPart& part, const BrickBox& box) {
   const float brick = static_cast<float>(frame_.voxel * brick_cells);
   const int first[3] = {box.lo.x, box.lo.y, box.lo.z}, last[3] = {box.hi.x, box.hi.y, box.hi.z};
   for (std::uint32_t i = 0; i < p.size(); ++i) {
-    const float c[3] = {static_cast<float>(to_metres(p.x[i])) - origin[0],
-                        static_cast<float>(to_metres(p.y[i])) - origin[1],
-                        static_cast<float>(to_metres(p.z[i])) - origin[2]};
+    const float c[3] = {to_float_metres(p.x[i]) - origin[0], to_float_metres(p.y[i]) - origin[1],
+                        to_float_metres(p.z[i]) - origin[2]};
     const float reach = p.reach[i] + position_slack;
     int lo[3], hi[3];
     for (int a = 0; a < 3; ++a) {

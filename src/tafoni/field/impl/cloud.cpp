@@ -58,9 +58,7 @@ Cloud::Cloud(const PrimitiveType& type, float falloff, const Noise& noise, std::
       boxes.emplace_back();
     }
     ++blocks_.back().count;
-    const auto wx = static_cast<std::uint32_t>(a.x & cell_mask),
-               wy = static_cast<std::uint32_t>(a.y & cell_mask),
-               wz = static_cast<std::uint32_t>(a.z & cell_mask);
+    const std::uint32_t wx = a.x & cell_mask, wy = a.y & cell_mask, wz = a.z & cell_mask;
     packed_.lo.push_back(wx | wy << 21);
     packed_.hi.push_back(wy >> 11 | wz << 10);
     packed_.radius.push_back(r.radius);
@@ -70,8 +68,7 @@ Cloud::Cloud(const PrimitiveType& type, float falloff, const Noise& noise, std::
     pool_.insert(pool_.end(), extras.begin(), extras.end());
     const float reach = reach_of(r.radius, extras);
     reaches += reach;
-    const Vec3f c{static_cast<float>(to_metres(a.x)), static_cast<float>(to_metres(a.y)),
-                  static_cast<float>(to_metres(a.z))};
+    const Vec3f c{to_float_metres(a.x), to_float_metres(a.y), to_float_metres(a.z)};
     // The anchor itself is rounded to float here: 8 mm at the limit of the frame.
     boxes.back().expand(Box3f{c, c}.grown(reach + position_slack));
   }
@@ -104,7 +101,7 @@ void Cloud::decode_extras(const Block& block, const Box3f& box, std::size_t from
     const std::size_t end = type_->variable ? extra_offsets_[at + 1] : begin + group;
     const float reach = reach_of(out.radius[in], std::span(pool_).subspan(begin, end - begin));
     const auto gap = [](float lo, float hi, std::int32_t v) {
-      const float c = static_cast<float>(to_metres(v));
+      const float c = to_float_metres(v);
       return std::max(std::max(lo - c, c - hi), 0.f);
     };
     const float dx = gap(box.lo.x, box.hi.x, out.x[in]), dy = gap(box.lo.y, box.hi.y, out.y[in]),
@@ -155,8 +152,7 @@ Cloud::Distances Cloud::distances(const Primitives& p, std::size_t i, const Box3
     const float half = 0.5f * length(box.size());
     return {std::max(d[0] - half, 0.f), d[0] + half};
   }
-  const Vec3f a{static_cast<float>(to_metres(p.x[i])), static_cast<float>(to_metres(p.y[i])),
-                static_cast<float>(to_metres(p.z[i]))};
+  const Vec3f a{to_float_metres(p.x[i]), to_float_metres(p.y[i]), to_float_metres(p.z[i])};
   const auto near = [](float lo, float hi, float c) { return std::max(std::max(lo - c, c - hi), 0.f); };
   const auto far = [](float lo, float hi, float c) { return std::max(c - lo, hi - c); };
   return {length(Vec3f{near(box.lo.x, box.hi.x, a.x), near(box.lo.y, box.hi.y, a.y),

@@ -39,7 +39,7 @@ std::size_t narrow(const Primitives& p, const Box3f& box, std::uint32_t* out) {
 }
 
 void decode(const PackedRange& range, const Box3f& box, Primitives& out) {
-  constexpr std::size_t most = 8;
+  constexpr std::size_t most = 8;  // lanes of the widest vectors
   out.reserve(range.count + most);
   const Packed& p = *range.packed;
   for (std::size_t i = 0; i < range.count; i += lane_count()) {

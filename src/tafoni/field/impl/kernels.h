@@ -39,6 +39,10 @@ inline Fixed to_fixed(double metres) {
 inline double to_metres(std::int32_t units) {
   return units * unit;
 }
+/// The same rounded to float, as boxes and bounds take it.
+inline float to_float_metres(std::int32_t units) {
+  return static_cast<float>(to_metres(units));
+}
 
 /// Noise of a cloud's metric, as kernels take it.
 struct Noise {

@@ -202,7 +202,7 @@ void height_block(const HeightLeaf& leaf, const float* value, const float* scale
 void domain_block(const DomainLeaf& leaf, const float* value, const Block& block) {
   alignas(32) float z[8];
   for (std::size_t l = 0; l < 8; l += lane_count())
-    (metres_of(block.z + l, block.zr + l) - Lanes(static_cast<float>(leaf.domain.box.lo.z))).store(z + l);
+    (metres_of(block.z + l, block.zr + l) - Lanes(leaf.base())).store(z + l);
   for (int j = 0; j < block.ny; ++j)
     for (std::size_t l = 0; l < 8; l += lane_count()) {
       const Lanes d = Lanes::load(value + j * Columns::stride + l);
@@ -325,7 +325,7 @@ void domain_gradients(const DomainLeaf& leaf, const Vec3d* p, const PointLanes& 
   alignas(32) float inside[8], inside_x[8], inside_y[8], z[8], d[8];
   if (leaf.inside) sample_points(*leaf.inside, p, 1, s);
   for (std::size_t l = 0; l < 8; l += lane_count()) {
-    (metres_of(lanes.z + l, lanes.zr + l) - Lanes(static_cast<float>(leaf.domain.box.lo.z))).store(z + l);
+    (metres_of(lanes.z + l, lanes.zr + l) - Lanes(leaf.base())).store(z + l);
     if (!leaf.inside) continue;
     across(s.v, s.x.w, l).store(inside + l);
     (across(s.v, s.x.d, l) * Lanes(leaf.inside->slope_x())).store(inside_x + l);
@@ -366,7 +366,7 @@ void domain_points(const DomainLeaf& leaf, const Vec3d* p, const PointLanes& lan
   for (std::size_t l = 0; l < 8; l += lane_count()) {
     Lanes plane = Lanes::load(d + l);
     if (leaf.inside) plane = min(across(s.v, s.x.w, l), plane);
-    const Lanes z = metres_of(lanes.z + l, lanes.zr + l) - Lanes(static_cast<float>(leaf.domain.box.lo.z));
+    const Lanes z = metres_of(lanes.z + l, lanes.zr + l) - Lanes(leaf.base());
     sigma_lanes(leaf.sigma, corner_lanes(plane, z)).store(f + l);
   }
 }

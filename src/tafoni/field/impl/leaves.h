@@ -84,6 +84,7 @@ T corner_distance(T a, T b) {
 
 struct DomainLeaf {
   Domain domain;
+  float base() const { return static_cast<float>(domain.box.lo.z); }
   std::unique_ptr<Sampler> inside;
   Sigma sigma;
 };

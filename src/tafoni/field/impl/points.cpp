@@ -121,7 +121,7 @@ void PointWork::collect(const Program& program, std::span<const Vec3d> points,
 }
 
 void PointWork::narrow(const Program& program) {
-  constexpr std::size_t worth_it = 12;
+  constexpr std::size_t worth_it = 12;  // fewer primitives are summed faster than they are sorted out
   Box3f box;
   for (const Vec3d& p : points_) box.expand(to_float(p));
   for (std::size_t c = 0; c < program.clouds.size(); ++c) {

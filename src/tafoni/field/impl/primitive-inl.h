@@ -38,7 +38,7 @@ struct LocalNoise {
   TAFONI_LANES_INLINE LocalNoise(const Noise& n, std::int32_t x, std::int32_t y, std::int32_t z)
       : noise(n), cell{Ints(0), Ints(0), Ints(0)} {
     if (n.amplitude == 0) return;
-    const double scale = unit * static_cast<double>(n.inv_wavelength);
+    const double scale = unit * n.inv_wavelength;
     const double q[3] = {x * scale, y * scale, z * scale};
     std::int32_t m[3];
     float rest[3];

@@ -147,7 +147,7 @@ Interval height_range(const HeightLeaf& leaf, float lo, float hi, float scale_lo
 }
 
 Interval domain_range(const DomainLeaf& leaf, float lo, float hi, float z0, float z1) {
-  const float base = static_cast<float>(leaf.domain.box.lo.z);
+  const float base = leaf.base();
   return sigma_range(leaf.sigma, corner_distance(lo, z0 - base), corner_distance(hi, z1 - base));
 }
 

@@ -64,7 +64,7 @@ Interval PointWork::extent(const Program& program, const Box3d& column) {
     include(r.lo - reach, r.hi + reach);
   }
   for (const DomainLeaf* leaf : program.domains) {
-    const float base = static_cast<float>(leaf->domain.box.lo.z);
+    const float base = leaf->base();
     include(base - leaf->sigma.influence, base + leaf->sigma.influence);
   }
   Box3f tall = Box3f{to_float(column.lo), to_float(column.hi)}.grown(position_slack);
@@ -73,7 +73,7 @@ Interval PointWork::extent(const Program& program, const Box3d& column) {
     in_box_.clear();
     cloud->collect(tall, in_box_);
     for (std::size_t p = 0; p < in_box_.size(); ++p) {
-      const float c = static_cast<float>(to_metres(in_box_.z[p]));
+      const float c = to_float_metres(in_box_.z[p]);
       include(c - in_box_.reach[p], c + in_box_.reach[p]);
     }
   }

@@ -10,6 +10,7 @@
 namespace tafoni::field::impl {
 namespace {
 
+/// Pixels along a side of the pyramid's lowest level: less answers more tightly, more takes less memory.
 constexpr int tile = 16;
 
 Sampler::Range join(const Sampler::Range& a, const Sampler::Range& b) {
@@ -64,8 +65,9 @@ Sampler::Range Sampler::tile_range(int tile_x, int tile_y) const {
   if (!bicubic_) return {lo, hi, slope};
   // Catmull-Rom's negative weights sum to at most 1/8 a side along one axis, so the plane's overshoot is at
   // most (1.25^2 - 1) / 2 of the range; its slope is at most 1.5 x 1.25 times the steepest step.
-  const float over = 0.2813f * (hi - lo);
-  return {lo - over, hi + over, 1.875f * slope};
+  constexpr float overshoot = 0.2813f, steepest = 1.875f;
+  const float over = overshoot * (hi - lo);
+  return {lo - over, hi + over, steepest * slope};
 }
 
 void Sampler::build_pyramid() {

@@ -11,6 +11,7 @@ struct ConeSphere {
   /// The ball about s in [from, to] on the axis has radius base - slope s; the balls touch the hull's side
   /// where it leans back by `lean` metres a metre off the axis.
   ConeSphere(const float* e, std::uint32_t) : axis(e), base(e[3]), to(axis.length) {
+    // A hull that is all but a disc would have no side to lean on.
     const float tip = e[4], most = 0.9999f * axis.length;
     if (std::fabs(base - tip) < most) {
       slope = (base - tip) / axis.length;

@@ -66,11 +66,12 @@ TEST_P(Kinds, DeclareThemselves) {
     EXPECT_TRUE(names.insert(p.name).second) << p.name;
     EXPECT_FALSE(p.doc.empty()) << p.name;
     EXPECT_LT(p.min, p.max) << p.name;
-    EXPECT_NO_THROW(checked(p, p.init, type.about.name));
-    EXPECT_THAT(error_of([&] { checked(p, Value(p.max * 2), type.about.name); }), HasSubstr(p.name + " = "));
-    EXPECT_THAT(error_of([&] { checked(p, Value(std::string("wide")), type.about.name); }),
+    EXPECT_NO_THROW(check_value(p, p.init, type.about.name));
+    EXPECT_THAT(error_of([&] { check_value(p, Value(p.max * 2), type.about.name); }),
+                HasSubstr(p.name + " = "));
+    EXPECT_THAT(error_of([&] { check_value(p, Value(std::string("wide")), type.about.name); }),
                 HasSubstr(p.name + " must be a number"));
-    EXPECT_EQ(std::get<double>(parsed(p, to_toml(p.init), type.about.name)), std::get<double>(p.init));
+    EXPECT_EQ(std::get<double>(parse_value(p, to_toml(p.init), type.about.name)), std::get<double>(p.init));
   }
 }
 
@@ -231,7 +232,7 @@ TEST_P(Operators, DeclareThemselves) {
   for (const ParamInfo& p : type.about.params) {
     EXPECT_FALSE(p.doc.empty()) << p.name;
     EXPECT_LT(p.min, p.max) << p.name;
-    EXPECT_NO_THROW(checked(p, p.init, type.about.name));
+    EXPECT_NO_THROW(check_value(p, p.init, type.about.name));
   }
 }
 

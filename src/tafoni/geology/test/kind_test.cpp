@@ -62,7 +62,7 @@ TEST_P(EveryKind, IsDeclaredInFull) {
   for (const ParamInfo& info : type.about.params) {
     EXPECT_FALSE(info.doc.empty()) << info.name;
     EXPECT_NE(info.doc.back(), '.') << info.name;
-    EXPECT_EQ(checked(info, info.init, type.about.name), info.init) << info.name;
+    EXPECT_EQ(check_value(info, info.init, type.about.name), info.init) << info.name;
   }
 }
 

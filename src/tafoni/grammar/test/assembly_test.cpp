@@ -361,7 +361,7 @@ Rows checked_rows(Rows rows) {
   info.kind = ValueKind::rows;
   info.columns = rule_columns();
   info.init = Rows{};
-  return std::get<Rows>(checked(info, rows, "test"));
+  return std::get<Rows>(check_value(info, rows, "test"));
 }
 
 TEST(Rules, MakeWhatTheySay) {

@@ -50,7 +50,7 @@ TEST_P(EverySolid, IsDocumented) {
   for (const ParamInfo& info : type.about.params) {
     EXPECT_FALSE(info.doc.empty()) << info.name;
     EXPECT_EQ(info.unit, "m") << info.name;
-    EXPECT_NO_THROW(checked(info, info.init, type.about.name)) << info.name;
+    EXPECT_NO_THROW(check_value(info, info.init, type.about.name)) << info.name;
     EXPECT_THAT(error_of([&] {
                   type.make({{info.name, -1.0}});
                 }),

@@ -42,7 +42,7 @@ TEST_P(EveryLandform, IsDocumented) {
   for (const ParamInfo& info : type.about.params) {
     EXPECT_FALSE(info.doc.empty()) << info.name;
     EXPECT_NE(info.doc.back(), '.') << info.name;
-    EXPECT_NO_THROW(checked(info, info.init, type.about.name))
+    EXPECT_NO_THROW(check_value(info, info.init, type.about.name))
         << info.name << " has a default out of its range";
     if (info.kind == ValueKind::real || info.kind == ValueKind::integer) {
       EXPECT_LT(info.min, info.max) << info.name;

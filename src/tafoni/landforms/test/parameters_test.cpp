@@ -178,7 +178,7 @@ TEST_P(EveryLandformParameter, ChangesWhatIsMade) {
       trees.clear();
       for (const Value& value : values) {
         Values set = info.only_with;
-        set.insert_or_assign(info.name, checked(info, value, key));
+        set.insert_or_assign(info.name, check_value(info, value, key));
         if (const auto tree = made(type, place->land.site, set)) trees.insert(*tree);
       }
       if (trees.size() > 1) break;

@@ -1,3 +1,5 @@
+// What a document leaves open is chosen here: the voxel from the terrain, a layer's seed from its words and
+// place, the sea level from the layer that has one. The build itself is the Builder's.
 #include "tafoni/scene/build/build.h"
 
 #include <algorithm>
@@ -8,11 +10,18 @@
 #include "tafoni/scene/sculpt/impl/stroke_files.h"
 
 namespace tafoni::scene {
+namespace {
+
+// Chosen by eye: a voxel resolves every pixel and a tenth of the influence, within which landforms shape the
+// rock, but makes no more cells along the terrain than a mesh of a few million triangles has.
+constexpr double cells_per_influence = 10, most_cells = 1200;
+
+}  // namespace
 
 double default_voxel(const raster::Raster& raster, double influence) {
   const double pixel = std::min(raster.placement.dx, raster.placement.dy);
   const double extent = std::max(raster.placement.dx * raster.width(), raster.placement.dy * raster.height());
-  const double wanted = std::max(std::min(pixel, influence / 10), extent / 1200);
+  const double wanted = std::max(std::min(pixel, influence / cells_per_influence), extent / most_cells);
   const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
   double best = decade;
   for (double digit : {2.0, 2.5, 5.0, 10.0})
@@ -23,8 +32,8 @@ double default_voxel(const raster::Raster& raster, double influence) {
 
 std::uint64_t layer_seed(const Document& document, std::size_t index) {
   const Layer& layer = document.layers[index];
-  if (layer.settings.seed >= 0) return static_cast<std::uint64_t>(layer.settings.seed);
-  std::uint64_t seed = static_cast<std::uint64_t>(document.scene.seed);
+  if (layer.settings.seed >= 0) return layer.settings.seed;
+  std::uint64_t seed = document.scene.seed;
   for (const std::string* word : {&layer.type, &layer.settings.name}) {
     for (const char c : *word) seed = hash_combine(seed, static_cast<unsigned char>(c));
     seed = hash_combine(seed, word->size());

@@ -19,7 +19,7 @@
 
 namespace tafoni::scene {
 
-/// What became of one layer.
+/// What a build made of one layer.
 struct LayerResult {
   std::string name;  ///< its own or its type's
   std::string type;

@@ -16,7 +16,8 @@ const std::vector<ParamInfo>& scene_params() {
   using S = SceneSettings;
   static const std::vector<ParamInfo> params =
       ParamTable<S>()
-          .integer("seed", &S::seed, "", 0, std::int64_t{1} << 53, "Every random choice is made from it")
+          .integer("seed", &S::seed, "", 0, std::int64_t{1} << 53,
+                   "Seed that every random choice is made from")
           .real("voxel", &S::voxel, "m", 0, 1e5,
                 "Size of a cell of the lattice: smaller shows more detail and takes more time and memory; 0 "
                 "chooses "
@@ -222,9 +223,9 @@ namespace {
 
 void set_value(const std::vector<ParamInfo>& common, void* object, const std::vector<ParamInfo>& own,
                Values& values, std::string_view name, std::string_view text, std::string_view where) {
-  const auto infos = impl::joined(common, own);
+  const auto infos = impl::join_params(common, own);
   const ParamInfo& info = find_param(infos, name, where);
-  impl::store(common, object, values, info, parsed(info, text, where));
+  impl::store(common, object, values, info, parse_value(info, text, where));
 }
 
 bool matches(const std::string& type, const std::string& name, std::string_view target,

@@ -69,7 +69,7 @@ struct LayerSettings {
 };
 const std::vector<ParamInfo>& layer_params();
 
-/// One [[layer]].
+/// What one [[layer]] of a scene file says.
 struct Layer {
   std::string type;  ///< a registered one (layers/layer.h): every landform, and more
   LayerSettings settings;
@@ -83,7 +83,7 @@ const std::string& shown_name(const Layer& layer);
 /// The paths of files that a layer names, for reading or changing them. None is empty.
 std::vector<std::string*> paths_of(Layer& layer);
 std::vector<std::string> paths_of(const Layer& layer);
-/// NAME where a mask is "paint:NAME", else empty.
+/// The NAME of a layer whose mask is "paint:NAME"; empty for any other.
 std::string_view painted_mask(const Layer& layer);
 
 struct Document {

@@ -1,4 +1,5 @@
-// The one file that includes the TOML parser.
+// A scene file is parsed to tables, and each key of a table is looked up among the parameters of its block:
+// what is unknown or out of range is told with its line. No other file includes the TOML parser.
 #include <algorithm>
 #include <optional>
 
@@ -38,7 +39,7 @@ std::string_view kind_of(const toml::node& node) {
   }
 }
 
-/// Empty for what no parameter can hold.
+/// A value as parameters hold them; empty for what none can hold.
 std::optional<Value> to_value(const toml::node& node) {
   if (const auto* v = node.as_boolean()) return Value(v->get());
   if (const auto* v = node.as_integer()) return Value(v->get());
@@ -103,7 +104,7 @@ class Reader {
       const auto value = info->kind == ValueKind::rows ? rows(node, *info, owner) : to_value(node);
       if (!value)
         fail(ErrorKind::input, "{}: {} must be {}, not {}", where, info->name, allowed(*info), kind_of(node));
-      impl::store(common, object, values, *info, as_input([&] { return checked(*info, *value, where); }));
+      impl::store(common, object, values, *info, as_input([&] { return check_value(*info, *value, where); }));
     }
   }
 
@@ -137,7 +138,7 @@ class Reader {
     return Value(std::move(out));
   }
 
-  /// The key "type" of a block.
+  /// What the key "type" of a block says.
   std::string type(const toml::table& table, std::string_view owner, std::string_view example) const {
     const toml::node* node = table.get("type");
     if (!node) {

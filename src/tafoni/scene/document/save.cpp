@@ -24,8 +24,8 @@ struct View {
   const Values* values = nullptr;
   int line = 0;
 
-  std::vector<ParamInfo> infos() const { return impl::joined(common, own); }
-  Value value(const ParamInfo& info) const { return impl::loaded(common, object, *values, info); }
+  std::vector<ParamInfo> infos() const { return impl::join_params(common, own); }
+  Value value(const ParamInfo& info) const { return impl::load_value(common, object, *values, info); }
 };
 
 const Values no_values;
@@ -89,7 +89,7 @@ std::string fresh(const GeologySettings& geology, const std::string& path) {
   return out;
 }
 
-/// Nested geologies as an array of inline tables.
+/// Writes nested geologies as an array of inline tables.
 std::string inline_text(const std::vector<GeologySettings>& list) {
   std::string out;
   for (const GeologySettings& geology : list) {
@@ -141,8 +141,8 @@ std::vector<int> origins(const Rows& before, const Rows& now) {
 }
 
 /// The blocks [[layer.NAME]] of a table, made to say `now`.
-std::vector<impl::Block> edited_rows(const std::vector<impl::Block>& blocks, const ParamInfo& info,
-                                     const Rows& before, const Rows& now) {
+std::vector<impl::Block> edit_rows(const std::vector<impl::Block>& blocks, const ParamInfo& info,
+                                   const Rows& before, const Rows& now) {
   std::vector<impl::Block> out;
   const std::vector<int> from = origins(before, now);
   for (std::size_t i = 0; i < now.size(); ++i) {
@@ -152,7 +152,7 @@ std::vector<impl::Block> edited_rows(const std::vector<impl::Block>& blocks, con
       for (const std::string& cell : cells(info, now[i])) out.back().text += cell + "\n";
       continue;
     }
-    const auto j = static_cast<std::size_t>(from[i]);
+    const int j = from[i];
     out.push_back(blocks[j]);
     for (const ParamInfo& column : info.columns) {
       const std::string& text = now[i].at(column.name);
@@ -171,7 +171,7 @@ void edit(std::vector<impl::Block>& parts, const ParamInfo& info, const Value& b
   const auto* old_rows = std::get_if<Rows>(&before);
   if (rows.empty() || !old_rows || rows.size() != old_rows->size())
     return impl::edit(parts.front(), info.name, text_of(info, now));
-  rows = edited_rows(rows, info, *old_rows, std::get<Rows>(now));
+  rows = edit_rows(rows, info, *old_rows, std::get<Rows>(now));
   const auto first = std::find_if(parts.begin(), parts.end(), is_row) - parts.begin();
   std::erase_if(parts, is_row);
   parts.insert(parts.begin() + first, rows.begin(), rows.end());
@@ -179,7 +179,7 @@ void edit(std::vector<impl::Block>& parts, const ParamInfo& info, const Value& b
 }
 
 /// The parts of a block, edited where a value changed.
-std::vector<impl::Block> edited_parts(const impl::Block& block, const View& before, const View& now) {
+std::vector<impl::Block> edit_parts(const impl::Block& block, const View& before, const View& now) {
   std::vector<impl::Block> parts = impl::parts(block);
   for (const ParamInfo& info : now.infos())
     if (const Value old = before.value(info), value = now.value(info); old != value)
@@ -187,17 +187,17 @@ std::vector<impl::Block> edited_parts(const impl::Block& block, const View& befo
   return parts;
 }
 
-std::string edited(const impl::Block& block, const View& before, const View& now) {
+std::string edit_text(const impl::Block& block, const View& before, const View& now) {
   std::string out;
-  for (const impl::Block& part : edited_parts(block, before, now)) join(out, part.text);
+  for (const impl::Block& part : edit_parts(block, before, now)) join(out, part.text);
   return out;
 }
 
-std::string edited(const impl::Block& block, const Layer& before, const Layer& now) {
-  return edited(block, view(before, block.name), view(now, block.name));
+std::string edit_text(const impl::Block& block, const Layer& before, const Layer& now) {
+  return edit_text(block, view(before, block.name), view(now, block.name));
 }
 
-std::string edited(const impl::Block& block, const GeologySettings& before, const GeologySettings& now);
+std::string edit_text(const impl::Block& block, const GeologySettings& before, const GeologySettings& now);
 
 /// The blocks [[path]] of a text, refilled in order with `now`: the ones that were read are edited where
 /// they changed.
@@ -221,7 +221,7 @@ class Refill {
     const auto old = std::find_if(before_.begin(), before_.end(), same_line);
     const auto block = std::find_if(blocks_.begin(), blocks_.end(), same_line);
     if (old == before_.end() || block == blocks_.end() || old->type != item.type) return fresh(item, path_);
-    return edited(*block, *old, item);
+    return edit_text(*block, *old, item);
   }
 
   const std::vector<T>& before_;
@@ -231,9 +231,9 @@ class Refill {
   std::size_t next_ = 0;
 };
 
-std::string edited(const impl::Block& block, const GeologySettings& before, const GeologySettings& now) {
+std::string edit_text(const impl::Block& block, const GeologySettings& before, const GeologySettings& now) {
   const std::string nested = block.name + ".of";
-  auto parts = edited_parts(block, view(before, block.name), view(now, block.name));
+  auto parts = edit_parts(block, view(before, block.name), view(now, block.name));
   const auto own = impl::statements(parts.front().text);
   if (std::any_of(own.begin(), own.end(),
                   [](const auto& s) { return s.kind == impl::Statement::key && s.name == "of"; })) {
@@ -248,7 +248,7 @@ std::string edited(const impl::Block& block, const GeologySettings& before, cons
   return out;
 }
 
-std::string edited(const Document& before, const Document& now) {
+std::string edit_text(const Document& before, const Document& now) {
   const auto blocks = impl::blocks(now.text);
   const auto count = [&](std::string_view name) {
     return std::count_if(blocks.begin(), blocks.end(), [&](const auto& b) { return b.name == name; });
@@ -263,9 +263,9 @@ std::string edited(const Document& before, const Document& now) {
   };
   for (const impl::Block& block : blocks) {
     if (block.name == "scene") {
-      join(out, edited(block, view(before.scene), view(now.scene)));
+      join(out, edit_text(block, view(before.scene), view(now.scene)));
     } else if (block.name == "terrain") {
-      join(out, edited(block, view(before.terrain), view(now.terrain)));
+      join(out, edit_text(block, view(before.terrain), view(now.terrain)));
     } else if (block.name == "geology") {
       geology.one(out);
       if (--geology_left == 0) geology.rest(out);
@@ -308,7 +308,7 @@ std::string to_text(const Document& document) {
       return fresh(document);
     }
     if (same(before, document)) return document.text;
-    std::string text = edited(before, document);
+    std::string text = edit_text(before, document);
     if (reads_back(text, document)) return text;
   }
   return fresh(document);

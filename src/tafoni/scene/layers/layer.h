@@ -57,7 +57,7 @@ struct LayerKind {
 
 /// Every kind, sorted by name; layers/NAME.cpp defines `const LayerKind\& declaration()` in its namespace `layer_NAME`.
 std::span<const LayerKind* const> all_layers();
-/// The types of all kinds.
+/// The types of layers that all kinds have, in one list.
 std::span<const LayerType* const> all_layer_types();
 /// Throws Error{usage} naming the nearest known one.
 const LayerType& find_layer_type(std::string_view name);

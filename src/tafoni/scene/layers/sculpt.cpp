@@ -21,9 +21,9 @@ const std::vector<ParamInfo>& params() {
   static const std::vector<ParamInfo> infos =
       ParamTable<P>()
           .text("strokes", static_cast<std::string P::*>(&P::strokes),
-                "Path of a text file of strokes, which come first")
+                "Path of a text file of strokes, which come before those of the journal; none has none")
           .text("journal", static_cast<std::string P::*>(&P::journal),
-                "Path of the journal of strokes that tafoni sculpt and editors make")
+                "Path of the journal of strokes that tafoni sculpt and editors keep; none has none")
           .boolean("settle", &P::settle,
                    "Limits the field of earlier layers to the terrain's amplitude, so that strokes fill "
                    "their caves as they fill open air");
@@ -72,7 +72,7 @@ impl::BuiltLayer build(const impl::LayerSite& site) {
   const auto sculpted = cook.cook(site.strokes(), frame);
   impl::BuiltLayer out;
   out.reused = cook.groups_cooked() == before;
-  out.made = impl::keyed(&place, sculpted, frame.amplitude, p.settle);
+  out.made = impl::make_keyed(&place, sculpted, frame.amplitude, p.settle);
   out.own = std::make_shared<Own>(
       Own{sculpted.value, impl::digest_of(frame, p.settle, sculpted.value->node != nullptr)});
   return out;

@@ -35,7 +35,7 @@ const std::vector<ParamInfo>& params() {
   return infos;
 }
 
-/// Beyond any field's value.
+/// Larger than any value of a field, so that a minimum or a maximum with it leaves the other.
 constexpr float far_away = 1e4f;
 
 /// Maps [-band, band] to [-T, T]: as it is near 0, so that the surface stays where it is, then stretched.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tafoni/core/error.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/raster/resample.h"
 #include "tafoni/render/inner/palette.h"
 #include "tafoni/scene/products/mesh_scene.h"
@@ -16,8 +17,14 @@
 namespace tafoni::scene {
 namespace {
 
-/// Samples along the longest wall: about one a pixel of a picture.
-constexpr double wall_samples = 1000;
+// Chosen by eye.
+constexpr double wall_samples = 1000;  // along the longest wall: about one a pixel of a picture
+// From the weakest rock to the hardest: linear reflectances of dark shale, brown and ochre sandstone, and
+// pale limestone, so that a reader who knows cliffs sees which beds stand out.
+constexpr std::array<Vec3f, 4> resistance_colours = {
+    Vec3f{0.035f, 0.023f, 0.018f}, {0.125f, 0.070f, 0.042f}, {0.34f, 0.225f, 0.135f}, {0.56f, 0.50f, 0.40f}};
+
+constexpr auto none = static_cast<std::uint32_t>(-1);  ///< in place of a vertex
 
 /// What lies on the left of a line through `at` along the unit `along`.
 struct HalfPlane {
@@ -27,7 +34,7 @@ struct HalfPlane {
 
 using Ring = std::vector<Vec2d>;  ///< convex, counter-clockwise
 
-Ring clipped(const Ring& ring, const HalfPlane& half) {
+Ring clip(const Ring& ring, const HalfPlane& half) {
   Ring out;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Vec2d a = ring[i], b = ring[(i + 1) % ring.size()];
@@ -38,7 +45,8 @@ Ring clipped(const Ring& ring, const HalfPlane& half) {
   return out;
 }
 
-/// Keeps the part of a mesh on one side; triangles across are cut, so their new corners are not shared.
+/// Keeps the part of a mesh that lies on one side; triangles across are cut, so their new corners are not
+/// shared.
 void clip(mesh::Mesh& mesh, const HalfPlane& half) {
   std::vector<double> d(mesh.positions.size());
   for (std::size_t i = 0; i < d.size(); ++i) d[i] = half.inside(mesh.positions[i].x, mesh.positions[i].y);
@@ -62,9 +70,8 @@ void clip(mesh::Mesh& mesh, const HalfPlane& half) {
   mesh.triangles = std::move(kept);
 }
 
-/// Drops the vertices of no triangle.
+/// Drops the vertices that belong to no triangle.
 void compact(mesh::Mesh& mesh) {
-  constexpr auto none = static_cast<std::uint32_t>(-1);
   std::vector<std::uint32_t> now(mesh.positions.size(), none);
   std::vector<Vec3f> positions, normals;
   for (auto& triangle : mesh.triangles)
@@ -93,26 +100,22 @@ class Wall {
   void add_to(mesh::Mesh& mesh, const BuiltScene& scene, const field::CompiledField& field) {
     sample(scene, field);
     vertices_.assign(3 * f_.size(), none);
-    for (std::size_t k = 0; k < nz_; ++k)
-      for (std::size_t i = 0; i < nu_; ++i) fill(mesh, i, k);
+    for (int k = 0; k < nz_; ++k)
+      for (int i = 0; i < nu_; ++i) fill(mesh, i, k);
   }
 
  private:
-  static constexpr auto none = static_cast<std::uint32_t>(-1);
-  static std::size_t cells(double length, double step) {
-    return static_cast<std::size_t>(std::max(1.0, std::ceil(length / step)));
-  }
-  std::size_t index(std::size_t i, std::size_t k) const { return k * (nu_ + 1) + i; }
+  static int cells(double length, double step) { return std::max(1, ceil_to(length / step)); }
+  std::ptrdiff_t index(int i, int k) const { return std::ptrdiff_t{k} * (nu_ + 1) + i; }
   Vec3d point(double i, double k) const {
-    const Vec2d xy = from_ + (to_ - from_) * (i / static_cast<double>(nu_));
-    return {xy.x, xy.y, bottom_ + (top_ - bottom_) * (k / static_cast<double>(nz_))};
+    const Vec2d xy = from_ + (to_ - from_) * (i / nu_);
+    return {xy.x, xy.y, bottom_ + (top_ - bottom_) * (k / nz_)};
   }
 
   void sample(const BuiltScene& scene, const field::CompiledField& field) {
     std::vector<Vec3d> points;
-    for (std::size_t k = 0; k <= nz_; ++k)
-      for (std::size_t i = 0; i <= nu_; ++i)
-        points.push_back(point(static_cast<double>(i), static_cast<double>(k)));
+    for (int k = 0; k <= nz_; ++k)
+      for (int i = 0; i <= nu_; ++i) points.push_back(point(i, k));
     f_.resize(points.size());
     field.values(points, f_);
     if (const auto& inside = scene.terrain.inside)
@@ -123,26 +126,25 @@ class Wall {
 
   /// The corner itself, or the place where the field is 0 on the way to the corner at `next`: to the right or
   /// above, as `way` says.
-  std::uint32_t vertex(mesh::Mesh& mesh, std::size_t i, std::size_t k, int way) {
-    std::uint32_t& id = vertices_[3 * index(i, k) + static_cast<std::size_t>(way)];
+  std::uint32_t vertex(mesh::Mesh& mesh, int i, int k, int way) {
+    std::uint32_t& id = vertices_[3 * index(i, k) + way];
     if (id != none) return id;
     double t = 0;
     if (way > 0) {
       const float a = f_[index(i, k)], b = f_[way == 1 ? index(i + 1, k) : index(i, k + 1)];
-      t = static_cast<double>(a / (a - b));
+      t = a / (a - b);
     }
     id = static_cast<std::uint32_t>(mesh.positions.size());
-    mesh.positions.push_back(to_float(
-        point(static_cast<double>(i) + (way == 1 ? t : 0), static_cast<double>(k) + (way == 2 ? t : 0))));
+    mesh.positions.push_back(to_float(point(i + (way == 1 ? t : 0), k + (way == 2 ? t : 0))));
     const Vec2d d = to_ - from_;
     mesh.normals.push_back(to_float(normalized(Vec3d{d.y, -d.x, 0})));
     return id;
   }
 
   /// The solid part of one cell as a fan about its first corner.
-  void fill(mesh::Mesh& mesh, std::size_t i, std::size_t k) {
-    const std::array<std::size_t, 5> at = {index(i, k), index(i + 1, k), index(i + 1, k + 1), index(i, k + 1),
-                                           index(i, k)};
+  void fill(mesh::Mesh& mesh, int i, int k) {
+    const std::array<std::ptrdiff_t, 5> at = {index(i, k), index(i + 1, k), index(i + 1, k + 1),
+                                              index(i, k + 1), index(i, k)};
     std::array<std::uint32_t, 8> corner{};
     std::size_t n = 0;
     for (std::size_t c = 0; c < 4; ++c) {
@@ -160,7 +162,7 @@ class Wall {
 
   Vec2d from_, to_;
   double bottom_, top_;
-  std::size_t nu_ = 0, nz_ = 0;
+  int nu_ = 0, nz_ = 0;  ///< cells along the wall and up
   std::vector<float> f_;
   std::vector<std::uint32_t> vertices_;  ///< of each corner: itself, to its right, above it
 };
@@ -183,11 +185,7 @@ Cut middle_cut(const BuiltScene& scene) {
 }
 
 Vec3f resistance_ramp(float resistance) {
-  // Linear reflectances of dark shale, brown and ochre sandstone, pale limestone.
-  constexpr std::array<Vec3f, 4> stops = {Vec3f{0.035f, 0.023f, 0.018f},
-                                          {0.125f, 0.070f, 0.042f},
-                                          {0.34f, 0.225f, 0.135f},
-                                          {0.56f, 0.50f, 0.40f}};
+  constexpr auto& stops = resistance_colours;
   const float at = std::clamp(resistance, 0.0f, 1.0f) * (stops.size() - 1);
   const auto i = std::min(static_cast<std::size_t>(at), stops.size() - 2);
   const float t = at - static_cast<float>(i);
@@ -201,7 +199,7 @@ mesh::Mesh cut_mesh(const BuiltScene& scene, const Cut& cut, Progress& progress)
   const Vec2d origin{scene.terrain.origin.x, scene.terrain.origin.y};
   const Box3d& box = scene.terrain.box;
   const Ring whole = {{box.lo.x, box.lo.y}, {box.hi.x, box.lo.y}, {box.hi.x, box.hi.y}, {box.lo.x, box.hi.y}};
-  const Ring ring = clipped(whole, {cut.from - origin, along * (1 / length)});
+  const Ring ring = clip(whole, {cut.from - origin, along * (1 / length)});
   if (ring.size() < 3)
     fail(ErrorKind::usage,
          "Nothing of the terrain lies to the left of the cut; swap its ends or move it into {:.10g},{:.10g} "

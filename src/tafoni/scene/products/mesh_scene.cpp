@@ -16,6 +16,24 @@
 namespace tafoni::scene {
 namespace {
 
+// Pieces of fewer cells than these are what the lattice makes of thin rock, and are removed with the
+// fragments.
+constexpr double least_piece = 20;
+// Ground counts as roofed, so that nothing grows there, under this much rock or a cell of it, in metres.
+constexpr double roof_cover = 1;
+// Treads have normals that point up at least so much: to about 60 degrees of slope, where the palette still
+// looks for plants.
+constexpr float tread = 0.5f;
+// Heights over a tread, in metres, at which rock is looked for: close together near the ground, where caves
+// are low, and as high as an overhang still keeps off rain and light.
+constexpr double overhead[] = {1.5, 3, 5, 8, 13, 21};
+// A prediction looks at a lattice of so many cells along the longer side at most, which takes a second or
+// two.
+constexpr double predicted_cells = 256;
+// Vertices whose colours one task finds: enough that tasks cost nothing, few enough that all threads get
+// some.
+constexpr std::int64_t grain = 4096;
+
 void finish(const BuiltScene& scene, mesh::Mesh& mesh, MeshResult& result, Progress& progress) {
   mesh.origin = scene.terrain.origin;
   double start = now();
@@ -42,9 +60,9 @@ surface::PolygonizeSettings polygonize_settings(const BuiltScene& scene, const f
   settings.voxel = voxel;
   settings.boundary = scene.boundary();
   settings.min_fragment_volume = scene.document.scene.min_fragment;
-  constexpr double few_cells = 20;
   if (settings.min_fragment_volume > 0)
-    settings.min_fragment_volume = std::max(settings.min_fragment_volume, few_cells * voxel * voxel * voxel);
+    settings.min_fragment_volume =
+        std::max(settings.min_fragment_volume, least_piece * voxel * voxel * voxel);
   if (settings.boundary == surface::Boundary::solid) return settings;
   settings.region = scene.terrain.box;
   const Box3d bounds = field.bounds();
@@ -67,18 +85,17 @@ class Roofs {
 
   void mark(std::vector<render::GroundLook>& points, const std::vector<Vec3d>& local) const {
     if (!field_) return;
-    constexpr double above[] = {1.5, 3, 5, 8, 13, 21};  // metres
     std::vector<Vec3d> asked;
     std::vector<std::size_t> whose;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (points[i].roofed || points[i].normal.z < 0.5f) continue;
+      if (points[i].roofed || points[i].normal.z < tread) continue;
       whose.push_back(i);
-      for (const double up : above) asked.push_back(local[i] + Vec3d{0, 0, up});
+      for (const double up : overhead) asked.push_back(local[i] + Vec3d{0, 0, up});
     }
     std::vector<float> values(asked.size());
     field_->values(asked, values);
     for (std::size_t i = 0; i < values.size(); ++i)
-      if (values[i] > 0) points[whose[i / std::size(above)]].roofed = true;
+      if (values[i] > 0) points[whose[i / std::size(overhead)]].roofed = true;
   }
 
  private:
@@ -93,35 +110,35 @@ void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress) {
   const raster::Raster& heights = *scene.terrain.heights;
   const Roofs roofs(scene);
   mesh.colors.resize(mesh.positions.size());
-  constexpr std::int64_t grain = 4096;
-  const auto count = static_cast<std::int64_t>(mesh.positions.size());
-  progress.begin("colours", static_cast<std::uint64_t>((count + grain - 1) / grain));
-  parallel_for((count + grain - 1) / grain,
-               [&](std::int64_t block) {
-                 const auto begin = static_cast<std::size_t>(block * grain);
-                 const auto end = static_cast<std::size_t>(std::min(count, (block + 1) * grain));
-                 std::vector<Vec3d> local;
-                 for (std::size_t i = begin; i < end; ++i) local.push_back(to_double(mesh.positions[i]));
-                 std::vector<float> resistance(local.size());
-                 scene.geology->resistances(local, resistance);
-                 std::vector<render::GroundLook> points(local.size());
-                 for (std::size_t i = begin; i < end; ++i) {
-                   const Vec3d at = local[i - begin];
-                   render::GroundLook& point = points[i - begin];
-                   point.position = at + origin;
-                   point.spacing = static_cast<float>(scene.voxel);
-                   if (!mesh.normals.empty()) point.normal = mesh.normals[i];
-                   point.plants = static_cast<float>(scene.document.scene.plants);
-                   point.resistance = resistance[i - begin];
-                   if (sea) point.height_above_sea = static_cast<float>(point.position.z - *sea);
-                   const double cover = raster::sample_bilinear(heights, at.x, at.y) - at.z;
-                   point.roofed = point.normal.z < 0 || cover > std::max(1.0, scene.voxel);
-                 }
-                 roofs.mark(points, local);
-                 for (std::size_t i = begin; i < end; ++i)
-                   mesh.colors[i] = render::to_rgba8(render::rock_palette(points[i - begin]));
-               },
-               progress);
+  const std::int64_t count = std::ssize(mesh.positions), blocks = (count + grain - 1) / grain;
+  progress.begin("colours", blocks);
+  parallel_for(
+      blocks,
+      [&](std::int64_t block) {
+        const std::int64_t begin = block * grain;
+        const std::int64_t end = std::min(count, (block + 1) * grain);
+        std::vector<Vec3d> local;
+        for (std::int64_t i = begin; i < end; ++i) local.push_back(to_double(mesh.positions[i]));
+        std::vector<float> resistance(local.size());
+        scene.geology->resistances(local, resistance);
+        std::vector<render::GroundLook> points(local.size());
+        for (std::int64_t i = begin; i < end; ++i) {
+          const Vec3d at = local[i - begin];
+          render::GroundLook& point = points[i - begin];
+          point.position = at + origin;
+          point.spacing = static_cast<float>(scene.voxel);
+          if (!mesh.normals.empty()) point.normal = mesh.normals[i];
+          point.plants = static_cast<float>(scene.document.scene.plants);
+          point.resistance = resistance[i - begin];
+          if (sea) point.height_above_sea = static_cast<float>(point.position.z - *sea);
+          const double cover = raster::sample_bilinear(heights, at.x, at.y) - at.z;
+          point.roofed = point.normal.z < 0 || cover > std::max(roof_cover, scene.voxel);
+        }
+        roofs.mark(points, local);
+        for (std::int64_t i = begin; i < end; ++i)
+          mesh.colors[i] = render::to_rgba8(render::rock_palette(points[i - begin]));
+      },
+      progress);
   progress.end();
 }
 
@@ -169,7 +186,7 @@ Prediction predict(const BuiltScene& scene, Progress& progress) {
   p.voxel = scene.voxel;
   const field::CompiledField field = scene.field_for(scene.boundary());
   const Vec3d size = scene.terrain.box.size();
-  p.coarse_voxel = std::max(2 * scene.voxel, std::max(size.x, size.y) / 256);
+  p.coarse_voxel = std::max(2 * scene.voxel, std::max(size.x, size.y) / predicted_cells);
   auto settings = polygonize_settings(scene, field, p.coarse_voxel);
   settings.normals = false;
   settings.min_fragment_volume = 0;

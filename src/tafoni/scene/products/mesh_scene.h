@@ -1,10 +1,7 @@
 #pragma once
-// From a built scene to a coloured mesh, and the report of how it was made.
+// From a built scene to a coloured mesh.
 
 #include <cstdint>
-#include <optional>
-#include <span>
-#include <string>
 
 #include "tafoni/core/progress.h"
 #include "tafoni/mesh/mesh.h"
@@ -38,7 +35,7 @@ void finish_mesh(const BuiltScene& scene, MeshResult& result, Progress& progress
 MeshResult mesh_scene_tiles(const BuiltScene& scene, int tiles, const surface::TileSink& sink,
                             Progress& progress = silent());
 
-/// Fills the mesh's colours.
+/// Colours the mesh's vertices by rock, slope and height.
 void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress = silent());
 
 /// What a full build would cost, from one on a coarser lattice.
@@ -49,9 +46,5 @@ struct Prediction {
   std::uint64_t file_bytes = 0;  ///< of a GLB
 };
 Prediction predict(const BuiltScene& scene, Progress& progress = silent());
-
-/// The report as JSON. `result` is null for a scene that was not meshed.
-std::string report_json(const BuiltScene& scene, const MeshResult* result,
-                        std::span<const std::string> warnings);
 
 }  // namespace tafoni::scene

@@ -1,12 +1,10 @@
 // The report as JSON: the scene's settings, what each layer told, the tree, the mesh, and the seconds of each
 // stage.
-#include <algorithm>
+#include "tafoni/scene/products/report.h"
 
 #include <nlohmann/json.hpp>
 
-#include "tafoni/mesh/metrics.h"
 #include "tafoni/scene/products/facts.h"
-#include "tafoni/scene/products/mesh_scene.h"
 
 namespace tafoni::scene {
 namespace {
@@ -26,9 +24,7 @@ Json layers_json(const BuiltScene& scene) {
   for (const LayerResult& layer : scene.layers) {
     Json entry = {{"name", layer.name}, {"type", layer.type}, {"seconds", layer.seconds}};
     if (layer.reused) entry["reused"] = true;
-    std::uint64_t primitives = 0;
-    for (const auto& node : layer.made.nodes) primitives += field::stats(node).primitives;
-    entry["primitives"] = primitives;
+    entry["primitives"] = primitives_of(layer.made);
     for (const landforms::Fact& fact : layer.made.facts) {
       const auto [key, value] = report_entry(fact, scene.terrain.origin);
       entry[key] = to_json(value);
@@ -38,23 +34,16 @@ Json layers_json(const BuiltScene& scene) {
   return out;
 }
 
-Json mesh_json(const MeshResult& result) {
-  const surface::PolygonizeStats& s = result.stats;
-  Json out = {{"vertices", s.vertices},
-              {"triangles", s.triangles},
-              {"components", s.components - s.fragments_removed - s.bubbles_removed},
-              {"fragments_removed", s.fragments_removed},
-              {"bubbles_removed", s.bubbles_removed},
-              {"samples_evaluated", s.evaluated}};
-  if (result.simplified.triangles_before > 0) {
-    out["triangles_before_simplification"] = result.simplified.triangles_before;
-    out["triangles"] = result.simplified.triangles_after;
-  }
-  if (result.mesh.triangles.empty()) return out;
-  const mesh::MeshMetrics m = mesh::metrics(result.mesh);
-  out["vertices"] = m.vertices;
-  out["triangles"] = m.triangles;
-  out["components"] = m.components;
+Json mesh_json(const MeshCounts& counts) {
+  Json out = {{"vertices", counts.vertices},
+              {"triangles", counts.triangles},
+              {"components", counts.components},
+              {"fragments_removed", counts.fragments_removed},
+              {"bubbles_removed", counts.bubbles_removed},
+              {"samples_evaluated", counts.samples_evaluated}};
+  if (counts.triangles_unsimplified) out["triangles_before_simplification"] = *counts.triangles_unsimplified;
+  if (!counts.metrics) return out;
+  const mesh::MeshMetrics& m = *counts.metrics;
   out["closed"] = m.closed;
   out["area_m2"] = m.area;
   if (m.closed) out["volume_m3"] = m.volume;
@@ -62,10 +51,36 @@ Json mesh_json(const MeshResult& result) {
   return out;
 }
 
+MeshCounts counts_of(const MeshResult& result) {
+  const surface::PolygonizeStats& s = result.stats;
+  MeshCounts out;
+  out.vertices = s.vertices;
+  out.triangles = s.triangles;
+  out.components = s.components - s.fragments_removed - s.bubbles_removed;
+  out.fragments_removed = s.fragments_removed;
+  out.bubbles_removed = s.bubbles_removed;
+  out.samples_evaluated = s.evaluated;
+  if (result.simplified.triangles_before > 0) {
+    out.triangles_unsimplified = result.simplified.triangles_before;
+    out.triangles = result.simplified.triangles_after;
+  }
+  // Tiles were handed on, so that only their counts are known.
+  if (result.mesh.triangles.empty()) return out;
+  const mesh::MeshMetrics& m = out.metrics.emplace(mesh::metrics(result.mesh));
+  out.vertices = m.vertices;
+  out.triangles = m.triangles;
+  out.components = m.components;
+  return out;
+}
+
 }  // namespace
 
-std::string report_json(const BuiltScene& scene, const MeshResult* result,
-                        std::span<const std::string> warnings) {
+Report::Report(const BuiltScene& scene, const MeshResult* result) : scene_(scene), result_(result) {
+  if (result) mesh_ = counts_of(*result);
+}
+
+std::string Report::json(std::span<const std::string> warnings) const {
+  const BuiltScene& scene = scene_;
   const Document& d = scene.document;
   const terrain::Terrain& t = scene.terrain;
   Json out;
@@ -86,19 +101,19 @@ std::string report_json(const BuiltScene& scene, const MeshResult* result,
   out["layers"] = layers_json(scene);
   const field::TreeStats stats = field::stats(scene.tree(scene.boundary()));
   out["tree"] = {{"nodes", stats.nodes}, {"primitives", stats.primitives}, {"bytes", stats.bytes}};
-  if (result) out["mesh"] = mesh_json(*result);
+  if (mesh_) out["mesh"] = mesh_json(*mesh_);
   Json seconds = Json::object();
   for (const auto& [name, value] : scene.seconds)
     seconds[name] = (seconds.contains(name) ? seconds[name].get<double>() : 0.0) + value;
-  if (result) {
-    seconds["compile"] = result->compile_seconds;
-    seconds["polygonize"] = result->polygonize_seconds;
-    seconds["colour"] = result->colour_seconds;
-    if (result->simplify_seconds > 0) seconds["simplify"] = result->simplify_seconds;
+  if (result_) {
+    seconds["compile"] = result_->compile_seconds;
+    seconds["polygonize"] = result_->polygonize_seconds;
+    seconds["colour"] = result_->colour_seconds;
+    if (result_->simplify_seconds > 0) seconds["simplify"] = result_->simplify_seconds;
   }
   out["seconds"] = seconds;
   out["warnings"] = warnings;
-  // Text from files may be no UTF-8.
+  // Text that came from files need not be UTF-8, which JSON must be: what is not is replaced.
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

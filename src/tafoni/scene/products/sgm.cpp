@@ -12,24 +12,32 @@
 namespace tafoni::scene {
 namespace {
 
-constexpr std::string_view kind = "grammar-cave";
+constexpr float far = 1e6f;     // the field where all is rock: beyond any that a layer makes
+constexpr double slack = 0.01;  // metres around the box, so that no face of the solid lies in its sides
 
-const LayerResult& find(const BuiltScene& scene, const std::string& name) {
+/// A layer that tells measures, and these.
+struct Measured {
+  const LayerResult& layer;
+  landforms::GrammarCaveMeasures told;
+};
+
+/// The first that `name` calls by its name or type, or the first of all where it is empty.
+Measured find(const BuiltScene& scene, const std::string& name) {
+  const auto called = [&](const LayerResult& layer) {
+    return name.empty() || layer.name == name || layer.type == name;
+  };
   for (const LayerResult& layer : scene.layers)
-    if (layer.type == kind && (name.empty() || layer.name == name || layer.type == name)) {
-      if (!layer.made.reshape) fail(ErrorKind::usage, "the layer \"{}\" made no cave to measure", layer.name);
-      return layer;
-    }
-  if (name.empty()) fail(ErrorKind::usage, "the scene has no {} layer to measure; give a mesh", kind);
-  fail(ErrorKind::usage, "the scene has no {} layer \"{}\"", kind, name);
+    if (const auto told = landforms::grammar_cave_measures(layer.made.facts);
+        told && layer.made.reshape && called(layer))
+      return {layer, *told};
+  if (name.empty())
+    fail(ErrorKind::usage, "the scene has no grammar-cave layer to measure, or it made no cave; give a mesh");
+  if (std::none_of(scene.layers.begin(), scene.layers.end(), called))
+    fail(ErrorKind::usage, "the scene has no grammar-cave layer \"{}\"", name);
+  fail(ErrorKind::usage, "the layer \"{}\" made no cave to measure", name);
 }
 
-landforms::GrammarCaveMeasures measures_of(const LayerResult& layer) {
-  if (const auto told = landforms::grammar_cave_measures(layer.made.facts)) return *told;
-  fail(ErrorKind::internal, "the layer \"{}\" does not tell its measures", layer.name);
-}
-
-SgmMeasures measured(const mesh::Mesh& mesh) {
+SgmMeasures measure(const mesh::Mesh& mesh) {
   SgmMeasures out;
   const mesh::MeshMetrics m = mesh::metrics(mesh);
   out.area = m.area;
@@ -43,22 +51,21 @@ SgmMeasures measured(const mesh::Mesh& mesh) {
 }  // namespace
 
 SgmMeasures sgm_measures(const mesh::Mesh& mesh, double edge, Progress& progress) {
-  SgmMeasures out = measured(mesh);
+  SgmMeasures out = measure(mesh);
   if (out.closed) out.cubes = mesh::inside_cubes(mesh, edge, progress);
   out.cubes.edge = edge;
   return out;
 }
 
 SgmSolid sgm_solid(const BuiltScene& scene, const std::string& name) {
-  const LayerResult& layer = find(scene, name);
+  const auto [layer, told] = find(scene, name);
   SgmSolid out;
-  // Rounded as the world positions of a report are, so that both give the same cubes.
-  const Box3d box = measures_of(layer).box;
+  // The box is rounded as the world positions of a report are, so that both give the same cubes.
+  const Box3d box = told.box;
   for (const Vec3d corner : {box.lo, box.hi})
     out.box.expand((corner + scene.terrain.origin) - scene.terrain.origin);
-  out.box = out.box.grown(0.01);
-  // What it adds where all is air, or else what it takes from where all is rock.
-  constexpr float far = 1e6f;
+  out.box = out.box.grown(slack);
+  // A solid is what the layer adds where all is air, a cave what it takes from where all is rock.
   out.tree = layer.made.reshape(field::constant(-far));
   if (field::compile(out.tree).interval(out.box).hi > 0) return out;
   out.tree = layer.made.reshape(field::constant(far));
@@ -69,9 +76,8 @@ SgmSolid sgm_solid(const BuiltScene& scene, const std::string& name) {
 
 std::vector<SgmMeasures> sgm_measures(const BuiltScene& scene, const std::string& name,
                                       std::span<const int> details, Progress& progress) {
-  const LayerResult& layer = find(scene, name);
+  const auto [layer, told] = find(scene, name);
   const SgmSolid solid = sgm_solid(scene, name);
-  const landforms::GrammarCaveMeasures told = measures_of(layer);
   const int own = static_cast<int>(told.detail);
   if (details.empty()) details = {&own, 1};
   std::vector<SgmMeasures> out;
@@ -83,7 +89,7 @@ std::vector<SgmMeasures> sgm_measures(const BuiltScene& scene, const std::string
     const field::CompiledField field = field::compile(solid.tree);
     const mesh::Mesh mesh = surface::polygonize(field, settings, progress);
     const double seconds = now() - start + layer.seconds;
-    SgmMeasures row = measured(mesh);
+    SgmMeasures row = measure(mesh);
     row.detail = detail;
     row.cubes = mesh::inside_cubes(field, solid.box, settings.voxel, progress);
     row.elements = told.elements;

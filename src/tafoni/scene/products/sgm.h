@@ -26,12 +26,13 @@ struct SgmMeasures {
   std::optional<double> seconds;  ///< of a scene: to grow and polygonize, without counting and measuring
 };
 
-/// Of a mesh, with cubes of `edge` metres.
+/// Measures a mesh, with cubes of `edge` metres.
 SgmMeasures sgm_measures(const mesh::Mesh& mesh, double edge, Progress& progress = silent());
 
-/// Of what the grammar-cave layer makes: a free solid, or the air of a cave as if it were one; one row for
-/// each L_D of `details`, with L_D cubes for each size of the layer. Empty: the layer's own L_D. `layer` is
-/// its name or type; empty for the first of them. Throws Error{usage} where there is none or it made nothing.
+/// Measures what a grammar-cave layer makes: a free solid, or the air of a cave as if it were one. One row
+/// for each L_D of `details`, with L_D cubes for each size of the layer. Empty: the layer's own L_D. `layer`
+/// is its name or type; empty for the first of them. Throws Error{usage} where there is none or it made
+/// nothing.
 std::vector<SgmMeasures> sgm_measures(const BuiltScene& scene, const std::string& layer,
                                       std::span<const int> details, Progress& progress = silent());
 

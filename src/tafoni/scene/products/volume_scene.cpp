@@ -9,6 +9,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/field/chunks.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::scene {
 namespace {
@@ -18,14 +19,14 @@ struct Heights {
 };
 
 /// Narrows the elevations between which the column's surface lies, a brick at a time.
-Heights narrowed(const field::CompiledField& field, const Box3d& column, double voxel) {
+Heights narrow(const field::CompiledField& field, const Box3d& column, double voxel) {
   const double step = voxel * field::brick_cells;
   const auto holds = [&](double from) {
     const Interval range =
         field.interval({{column.lo.x, column.lo.y, from}, {column.hi.x, column.hi.y, from + step}});
     return range.lo <= 0 && range.hi >= 0;
   };
-  const auto count = static_cast<int>(std::lround((column.hi.z - column.lo.z) / step));
+  const auto count = round_to((column.hi.z - column.lo.z) / step);
   int first = 0, last = count - 1;
   while (last >= first && !holds(column.lo.z + last * step)) --last;
   while (first <= last && !holds(column.lo.z + first * step)) ++first;
@@ -36,11 +37,11 @@ Heights narrowed(const field::CompiledField& field, const Box3d& column, double 
 /// Between which elevations the surface lies over the box's x and y.
 Heights elevations(const field::CompiledField& field, const Box3d& box, double voxel, Progress& progress) {
   const double size = voxel * field::chunk_cells;
-  const auto chunk = [&](double v) { return static_cast<int>(std::floor(v / size)); };
+  const auto chunk = [&](double v) { return floor_to(v / size); };
   const int west = chunk(box.lo.x), south = chunk(box.lo.y), columns = chunk(box.hi.x) - west + 1,
             rows = chunk(box.hi.y) - south + 1;
   std::vector<Heights> found(rows);
-  progress.begin("looking for the surface", static_cast<std::uint64_t>(rows), "rows");
+  progress.begin("looking for the surface", rows, "rows");
   const auto look = [&](std::int64_t row) {
     field::ChunkEvaluator evaluator(field, voxel);
     Heights& own = found[row];
@@ -48,7 +49,7 @@ Heights elevations(const field::CompiledField& field, const Box3d& box, double v
       const int b = south + static_cast<int>(row);
       const auto range = evaluator.column(a, b);
       if (range.first > range.last) continue;
-      const Heights column = narrowed(
+      const Heights column = narrow(
           field,
           {{std::max(a * size, box.lo.x), std::max(b * size, box.lo.y), range.first * size},
            {std::min((a + 1) * size, box.hi.x), std::min((b + 1) * size, box.hi.y), (range.last + 1) * size}},
@@ -67,7 +68,7 @@ Heights elevations(const field::CompiledField& field, const Box3d& box, double v
 }  // namespace
 
 volume::GridFrame volume_frame(const BuiltScene& scene, double band, Progress& progress) {
-  // All of the band, so that a level set does not break off within it.
+  // The frame holds all of the band, so that a level set does not break off within it.
   const double rim = band + 2 * scene.voxel;
   Box3d box = scene.terrain.box;
   if (scene.boundary() == surface::Boundary::solid) {

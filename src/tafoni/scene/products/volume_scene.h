@@ -1,5 +1,5 @@
 #pragma once
-// Scenes as volumes.
+// Scenes are sampled as volumes, and volumes are opened as scenes.
 
 #include "tafoni/core/progress.h"
 #include "tafoni/io/volume_file.h"

@@ -6,6 +6,14 @@
 #include "tafoni/core/error.h"
 
 namespace tafoni::scene {
+namespace {
+
+// Steps of a curve are of unlike length: the longest is taken to be so many times the chord between two
+// points divided by the number of steps.
+constexpr double longest_step = 1.5;
+constexpr double most_steps = 1e5;  // between two points, so that no stroke takes all memory
+
+}  // namespace
 
 const BrushType& find_brush(std::string_view name) {
   return tafoni::find(all_brushes(), name, "brush");
@@ -26,7 +34,7 @@ std::vector<Vec3d> sample_path(std::span<const Vec3d> points, bool smooth, doubl
   for (std::ptrdiff_t i = 0; i + 1 < std::ssize(points); ++i) {
     const Vec3d p0 = at(i - 1), p1 = at(i), p2 = at(i + 1), p3 = at(i + 2);
     const Vec3d a = p1 * 3.0 - p0 - p2 * 3.0 + p3, b = p0 * 2.0 - p1 * 5.0 + p2 * 4.0 - p3, c = p2 - p0;
-    const double steps = std::clamp(std::ceil(1.5 * length(p2 - p1) / spacing), 1.0, 1e5);
+    const double steps = std::clamp(std::ceil(longest_step * length(p2 - p1) / spacing), 1.0, most_steps);
     for (double k = 0; k < steps; ++k) {
       const double t = k / steps;
       out.push_back(smooth ? p1 + ((a * t + b) * t + c) * (0.5 * t) : p1 + (p2 - p1) * t);

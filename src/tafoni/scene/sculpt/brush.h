@@ -40,7 +40,7 @@ struct BrushType {
   std::size_t min_points = 1, max_points = 100000;
   /// The stroke is checked and its points are local. `seed` decides what is random. Null for one that paints.
   void (*apply)(const Stroke& stroke, std::uint64_t seed, Dab& dab) = nullptr;
-  /// Null for one that makes primitives.
+  /// What the stroke paints. Null for a brush that makes primitives.
   Painting (*paint)(const Stroke& stroke) = nullptr;
   /// Parameters that depend on others, beyond `params`; may be null.
   std::vector<ParamInfo> (*more)(const Values& values) = nullptr;
@@ -51,6 +51,10 @@ std::span<const BrushType* const> all_brushes();
 /// Throws Error{usage} naming the nearest known one.
 const BrushType& find_brush(std::string_view name);
 std::vector<ParamInfo> params_of_brush(const BrushType& brush, const Values& values);
+
+/// How far the points of a path are apart, in radii of the tube along it: its balls are then spaced by half a
+/// radius, whatever bends there are.
+inline constexpr double path_spacing = 0.2;
 
 /// A Catmull-Rom curve through `points`, or the points themselves joined by straight lines, as points no
 /// further than `spacing` metres apart.

@@ -71,7 +71,7 @@ void follow(State& state) {
     const auto at = std::lower_bound(state.applied.begin(), state.applied.end(), id,
                                      [](const Journal::Entry& e, std::int64_t v) { return e.id < v; });
     if (at != state.applied.end() && at->id == id) {
-      kept = static_cast<std::size_t>(at - state.applied.begin()) + 1;
+      kept = at - state.applied.begin() + 1;
       break;
     }
     const auto found = state.rows.find(id);
@@ -85,7 +85,7 @@ void follow(State& state) {
   state.applied.insert(state.applied.end(), added.rbegin(), added.rend());
 }
 
-/// Within a transaction.
+/// To be called within a transaction.
 template <class State>
 void load(State& state) {
   std::unordered_map<std::int64_t, Row> rows;

@@ -36,7 +36,7 @@ class Journal {
   Journal& operator=(Journal&&) noexcept;
 
   const std::filesystem::path& file() const;
-  /// Those applied, in order, muted ones included.
+  /// The strokes that are applied, in their order, muted ones included.
   const std::vector<Entry>& strokes() const;
   /// How many steps redo() can go.
   std::size_t redoable() const;

@@ -113,7 +113,7 @@ void check(const Stroke& stroke, const BrushType& brush, std::string_view where)
 template <class F>
 void assign_one(Stroke& stroke, const BrushType& brush, std::string_view name, std::string_view where,
                 F&& value) {
-  const auto infos = impl::joined(stroke_params(), params_of_brush(brush, stroke.values));
+  const auto infos = impl::join_params(stroke_params(), params_of_brush(brush, stroke.values));
   const ParamInfo& info = param(infos, name, stroke, where);
   impl::store(stroke_params(), &stroke, stroke.values, info, value(info));
 }
@@ -166,7 +166,7 @@ Stroke json_stroke(const Json& object, std::string_view where) {
         continue;
       }
       assign_one(stroke, brush, key, where, [&, v = json_value(value, key, where)](const ParamInfo& info) {
-        return checked(info, v, where);
+        return check_value(info, v, where);
       });
     }
   check(stroke, brush, where);
@@ -207,14 +207,18 @@ std::string shown(const Value& value) {
 const std::vector<ParamInfo>& stroke_params() {
   static const std::vector<ParamInfo> params =
       ParamTable<Stroke>()
-          .choice("mode", &Stroke::mode, {"carve", "add"}, "Takes rock away or adds some")
+          .choice("mode", &Stroke::mode, {"carve", "add"},
+                  "What the stroke does: carve takes rock away, add puts some there")
           .real("radius", &Stroke::radius, "m", 0.01, 1e4,
-                "Distance of the new surface from the stroke's skeleton")
+                "How far the new surface is from the stroke's skeleton: the radius of a ball or a tunnel")
           .real("strength", &Stroke::strength, "", 0.01, 1,
-                "1 cuts through solid rock or fills open air; less only where the surface is near")
-          .real("roughness", &Stroke::roughness, "", 0, 0.6, "Greatest displacement of the walls, in radii")
+                "How firmly the stroke acts: 1 cuts through solid rock and fills open air, less only dents "
+                "the surface")
+          .real("roughness", &Stroke::roughness, "", 0, 0.6,
+                "How far noise displaces the walls at most, in radii: more makes them rougher, 0 leaves them "
+                "smooth")
           .integer("seed", &Stroke::seed, "", 0, std::int64_t{1} << 53,
-                   "Varies what is random in the stroke");
+                   "Varies what is random in the stroke: another seed makes another stroke of the same kind");
   return params;
 }
 
@@ -232,7 +236,7 @@ Stroke parse_stroke(std::string_view line, std::string_view where) {
       stroke.points.insert(stroke.points.end(), more.begin(), more.end());
     } else {
       assign_one(stroke, brush, name, where,
-                 [&, &value = text](const ParamInfo& info) { return parsed(info, value, where); });
+                 [&, &value = text](const ParamInfo& info) { return parse_value(info, value, where); });
     }
   }
   check(stroke, brush, where);
@@ -246,8 +250,9 @@ std::string to_text(const Stroke& stroke) {
     const Vec3d p = stroke.points[i];
     out += fmt::format("{}{},{},{}", i == 0 ? "" : "/", p.x, p.y, p.z);
   }
-  for (const ParamInfo& info : impl::joined(stroke_params(), params_of_brush(brush, stroke.values)))
-    if (const Value value = impl::loaded(stroke_params(), &stroke, stroke.values, info); value != info.init)
+  for (const ParamInfo& info : impl::join_params(stroke_params(), params_of_brush(brush, stroke.values)))
+    if (const Value value = impl::load_value(stroke_params(), &stroke, stroke.values, info);
+        value != info.init)
       out += fmt::format(" {}={}", info.name, shown(value));
   return out;
 }

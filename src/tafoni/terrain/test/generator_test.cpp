@@ -30,7 +30,7 @@ TEST_P(EveryGenerator, IsDeclaredInFull) {
   EXPECT_EQ(type.about.params[2].name, "pixel");
   for (const ParamInfo& info : type.about.params) {
     EXPECT_FALSE(info.doc.empty()) << info.name;
-    EXPECT_EQ(checked(info, info.init, type.about.name), info.init) << info.name;
+    EXPECT_EQ(check_value(info, info.init, type.about.name), info.init) << info.name;
   }
 }
 

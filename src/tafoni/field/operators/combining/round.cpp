@@ -1,3 +1,5 @@
+// The round operator: an intersection whose edge is worn by a quadratic smooth minimum, which reaches as far
+// as the operands differ by less than the width.
 #include "tafoni/field/impl/operator_entry.h"
 
 #if TAFONI_KERNELS  // the values, once for every instruction set
@@ -40,7 +42,7 @@ const OperatorType& declaration() {
           .interval =
               [](Interval a, Interval b, float width) {
                 const float lo = at(a.lo, b.lo, width), hi = at(a.hi, b.hi, width);
-                constexpr float rounding = 1e-6f;
+                constexpr float rounding = 1e-6f;  // of a few operations in float, as a part of the values
                 return Interval{lo - rounding * (std::abs(lo) + width),
                                 hi + rounding * (std::abs(hi) + width)};
               },

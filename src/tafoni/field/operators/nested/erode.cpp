@@ -60,8 +60,8 @@ class Erosion final : public Function, public impl::HidesTrees {
   }
 
  private:
-  static constexpr std::size_t batch = 128;
-  static constexpr float even = 0.5f;  ///< the resistance where no geology is given
+  static constexpr std::size_t batch = 128;  ///< points at a time, in arrays that fit the stack and the cache
+  static constexpr float even = 0.5f;        ///< the resistance where no geology is given
   /// The points where the control is not 0.
   struct Live {
     Vec3d points[batch];
@@ -112,9 +112,9 @@ const OperatorType& declaration() {
       .about = {.name = "erode",
                 .doc = "Takes off material where a control field says so, the more the softer the rock",
                 .source = "[Paris19 §5.3]",
-                .params = ParamTable<Params>().real(
-                    "depth", &Params::depth, "m", 0, 1e4,
-                    "What is taken off the field where the control is 1 and the resistance 0")},
+                .params = ParamTable<Params>().real("depth", &Params::depth, "m", 0, 1e4,
+                                                    "How much is taken off where the control is 1 and the "
+                                                    "resistance 0; 0 leaves the tree as it is")},
   };
   return type;
 }

@@ -19,6 +19,9 @@ using impl::PointWork;
 using impl::Pose;
 using impl::Program;
 
+/// What a ball is grown by for the rounding of its centre and radius, metres.
+constexpr double ball_slack = 1e-6;
+
 /// A placement as it is stored, 24 bytes.
 struct Packed {
   Vec3i position;  ///< units
@@ -82,7 +85,7 @@ class Placements {
         };
         const Vec3d d{gap(box.lo.x, box.hi.x, c.x), gap(box.lo.y, box.hi.y, c.y),
                       gap(box.lo.z, box.hi.z, c.z)};
-        const double reach = radius_ * p.scale + 1e-6;
+        const double reach = radius_ * p.scale + ball_slack;
         if (dot(d, d) <= reach * reach) visit(p.pose(), p.scale);
       }
     });
@@ -94,6 +97,7 @@ class Placements {
   std::uint64_t bytes() const { return sizeof(*this) + packed_.size() * sizeof(Packed) + tree_.bytes(); }
 
  private:
+  /// Placements that share a box in the tree, so that the tree stays small beside them.
   static constexpr std::size_t block = 4;
   static Box3f floats(const Box3d& box) {
     return Box3f{to_float(box.lo), to_float(box.hi)}.grown(impl::position_slack);
@@ -183,7 +187,7 @@ class Instanced final : public impl::Nested {
     for (std::size_t i = 0; i < points.size(); i += pack) {
       Box3d box;
       for (const Vec3d& p : points.subspan(i, std::min(pack, points.size() - i))) box.expand(p);
-      balls.push_back({box.center(), length(box.size()) / 2 + 1e-6});
+      balls.push_back({box.center(), length(box.size()) / 2 + ball_slack});
       all.expand(box);
     }
     placements_->visit(all, [&](const Pose& pose, float scale) {

@@ -41,9 +41,7 @@ class Transformed final : public impl::Nested {
     if (pose_.sin_tilt != 0) return impl::no_extent;
     const Interval own = work.extent(*child_, pose_.own_box(column));
     if (own.lo > own.hi) return own;
-    const auto to_world = [&](float z) {
-      return static_cast<float>(pose_.to_world({0, 0, static_cast<double>(z)}).z);
-    };
+    const auto to_world = [&](float z) { return static_cast<float>(pose_.to_world({0, 0, z}).z); };
     return {to_world(own.lo), to_world(own.hi)};
   }
   Box3d bounds() const override { return pose_.world_box(impl::bounds(*child_)); }

@@ -17,6 +17,9 @@ namespace {
 using impl::PointWork;
 using impl::Program;
 
+/// Noise in float may exceed its amplitude by a few parts in 10^7.
+constexpr double over = 1 + 1e-5;
+
 /// A box grown by at most `amplitude` along each axis.
 Box3d grow(const Box3d& box, Vec3d amplitude) {
   return box.empty() ? box : Box3d{box.lo - amplitude, box.hi + amplitude};
@@ -117,7 +120,7 @@ class Warped final : public impl::Nested {
   /// The greatest displacement along each axis, rounding included.
   Vec3d greatest(Interval control) const {
     const double c = std::max(std::fabs(control.lo), std::fabs(control.hi));
-    const double k = c * (1 + 1e-5);
+    const double k = c * over;
     return {k * noise_.amplitude[0], k * noise_.amplitude[1], k * noise_.amplitude[2]};
   }
 
@@ -135,7 +138,7 @@ class WarpNode final : public impl::NestedNode {
   }
   NodePtr child() const override { return child_; }
   int depth_below() const override { return impl::depth_of(control_.get()); }
-  Box3d support(const Box3d& child) const override { return grow(child, settings_.amplitude * (1 + 1e-5)); }
+  Box3d support(const Box3d& child) const override { return grow(child, settings_.amplitude * over); }
   std::uint64_t bytes() const override { return sizeof(*this); }
 
  private:
@@ -169,16 +172,19 @@ const OperatorType& declaration() {
       .about = {.name = "warp",
                 .doc = "Moves the positions at which a tree is asked by noise, where a control field says so",
                 .source = "[Paris19 §5.3]",
-                .params = ParamTable<Params>()
-                              .real("lateral_amplitude", &Params::lateral_amplitude, "m", 0, 1e4,
-                                    "Greatest displacement along x and y")
-                              .real("vertical_amplitude", &Params::vertical_amplitude, "m", 0, 1e4,
-                                    "Greatest displacement along z")
-                              .real("lateral", &Params::lateral, "m", 1e-2, 1e6,
-                                    "Wavelength of the noise along x and y")
-                              .real("vertical", &Params::vertical, "m", 1e-2, 1e6,
-                                    "Wavelength of the noise along z")
-                              .integer("octaves", &Params::octaves, "", 1, 12, "Octaves of the noise")},
+                .params =
+                    ParamTable<Params>()
+                        .real("lateral_amplitude", &Params::lateral_amplitude, "m", 0, 1e4,
+                              "How far along x and y a point is moved at most: more bends the tree more")
+                        .real("vertical_amplitude", &Params::vertical_amplitude, "m", 0, 1e4,
+                              "How far along z a point is moved at most: more bends the tree more")
+                        .real("lateral", &Params::lateral, "m", 1e-2, 1e6,
+                              "Wavelength of the noise along x and y: less makes smaller bends")
+                        .real("vertical", &Params::vertical, "m", 1e-2, 1e6,
+                              "Wavelength of the noise along z: less makes smaller bends")
+                        .integer("octaves", &Params::octaves, "", 1, 12,
+                                 "How many layers of noise, each of half the wavelength, are added: more "
+                                 "gives finer detail")},
   };
   return type;
 }

@@ -149,7 +149,7 @@ TEST(GrammarCave, RulesMakeTheCave) {
   ParamInfo info;
   for (const ParamInfo& param : find_landform("grammar-cave").about.params)
     if (param.name == "rule") info = param;
-  const Value checked_rules = checked(info, rules, "test");
+  const Value checked_rules = check_value(info, rules, "test");
   const Result result = hill.run({{"rule", checked_rules}, {"classic", std::int64_t{4}}});
   // Four of the rules and two of the entrance.
   EXPECT_LE(test::fact<std::int64_t>(result, "elements"), 6);
@@ -157,7 +157,7 @@ TEST(GrammarCave, RulesMakeTheCave) {
   EXPECT_LE(test::fact<std::int64_t>(result, "classic"), 4);
   Rows bad = {{{"symbol", "Hall"}, {"shape", "elipsoid"}}};
   EXPECT_THAT(error_of([&] {
-                hill.run({{"rule", checked(info, bad, "test")}});
+                hill.run({{"rule", check_value(info, bad, "test")}});
               }),
               testing::HasSubstr("elipsoid"));
 }

@@ -50,7 +50,7 @@ TEST(PrismField, RowsDigAndBuildInOrder) {
        {"points", "500018 4000000 40, 500022 4000000 40, 500020 4000004 40, 500020 4000002 44"}}};
   Values values{{"count", std::int64_t{0}}, {"spacing", 0.5}};
   const auto& infos = find_landform("prism-field").about.params;
-  values["tool"] = checked(find_param(infos, "tool", "prism-field"), Value(rows), "prism-field");
+  values["tool"] = check_value(find_param(infos, "tool", "prism-field"), Value(rows), "prism-field");
   const Result result = dug(coast.site, values);
   EXPECT_EQ(test::fact<std::int64_t>(result, "tools"), 4);
   const auto field = test::carved(coast.site, result);
@@ -143,7 +143,7 @@ TEST(PrismField, BadRowsGetOneSentence) {
     Values values{{"count", std::int64_t{0}}};
     try {
       values["tool"] =
-          checked(find_param(infos, "tool", "prism-field"), Value(Rows{std::move(row)}), "prism-field");
+          check_value(find_param(infos, "tool", "prism-field"), Value(Rows{std::move(row)}), "prism-field");
       dug(coast.site, values);
     } catch (const Error& e) {
       EXPECT_EQ(e.kind(), ErrorKind::usage);

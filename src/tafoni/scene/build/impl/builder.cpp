@@ -10,6 +10,10 @@
 namespace tafoni::scene::impl {
 namespace {
 
+// A landform bends the rock within the influence, so a lattice of fewer cells across it loses what is a few
+// metres large.
+constexpr double least_cells_per_influence = 4;
+
 class Stopwatch {
  public:
   double seconds() const {
@@ -22,7 +26,7 @@ class Stopwatch {
 
 double choose_voxel(const Document& document, const raster::Raster& elevations) {
   if (document.scene.voxel > 0) return document.scene.voxel;
-  // On a volume's own samples nothing is lost.
+  // A lattice on a volume's own samples loses nothing of it.
   return is_volume(document.terrain) ? elevations.placement.dx
                                      : default_voxel(elevations, document.terrain.influence);
 }
@@ -82,7 +86,7 @@ Built Builder::build(const Document& document, const SlotSource& slots, Progress
   return {std::make_shared<BuiltScene>(std::move(scene)), stage.ground.key, std::move(stage.layers)};
 }
 
-/// Nothing where no path is named.
+/// The file at a path, with a digest of what it holds; nothing where no path is named.
 std::optional<File> Builder::file(const Document& document, const std::string& path) {
   if (path.empty()) return {};
   const auto resolved = document.resolve(path);
@@ -94,12 +98,13 @@ void Builder::build_ground(Stage& stage) {
   const TerrainSection& t = document.terrain;
   Progress& progress = stage.readers.progress;
   Stopwatch watch;
-  const auto seed = t.generator.empty() ? std::uint64_t{0} : static_cast<std::uint64_t>(document.scene.seed);
+  const std::uint64_t seed = t.generator.empty() ? 0 : document.scene.seed;
   const auto elevations = elevations_(words_of_elevations(t), seed, file(document, t.source), stage.readers);
   stage.seconds.emplace_back("read terrain", watch.seconds());
   stage.crs = elevations.value->crs;
   stage.voxel = choose_voxel(document, *elevations.value);
-  if (document.scene.voxel <= 0 && !is_volume(t) && !document.layers.empty() && stage.voxel > t.influence / 4)
+  if (document.scene.voxel <= 0 && !is_volume(t) && !document.layers.empty() &&
+      stage.voxel > t.influence / least_cells_per_influence)
     progress.warn(fmt::format(
         "the terrain is so large that the voxel was set to {:g} m, too coarse for landforms of a few metres; "
         "choose a part of it with --window (or window = […]), or a smaller voxel",
@@ -166,7 +171,7 @@ BuiltLayer Builder::build_layer(Stage& stage, std::size_t index) {
 
 void Builder::build_layers(Stage& stage) {
   const Document& document = stage.document;
-  stage.below = keyed(&below_layers, stage.ground, stage.geology);
+  stage.below = make_keyed(&below_layers, stage.ground, stage.geology);
   for (std::size_t i = 0; i < document.layers.size(); ++i) {
     const Layer& layer = document.layers[i];
     if (!layer.settings.enabled) continue;
@@ -186,7 +191,7 @@ void Builder::build_layers(Stage& stage) {
     const double seconds = watch.seconds();
     stage.results.push_back({shown_name(layer), layer.type, made.made.value, seconds, made.reused});
     stage.seconds.emplace_back(shown_name(layer), seconds);
-    stage.below = keyed(&below_next, stage.below, made.made);
+    stage.below = make_keyed(&below_next, stage.below, made.made);
   }
 }
 

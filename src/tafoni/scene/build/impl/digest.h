@@ -1,5 +1,5 @@
 #pragma once
-// What a cached result depends on, as 128 bits.
+// A digest says in 128 bits what a cached result depends on.
 
 #include <bit>
 #include <cstdint>

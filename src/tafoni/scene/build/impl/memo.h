@@ -94,7 +94,7 @@ Digest digest_of(const Parts&... parts) {
 
 /// What `make` gives, with its key; nothing is kept.
 template <class T, class... Parts>
-Keyed<T> keyed(T (*make)(const Parts&...), const std::type_identity_t<Parts>&... parts) {
+Keyed<T> make_keyed(T (*make)(const Parts&...), const std::type_identity_t<Parts>&... parts) {
   return {make(parts...), digest_of(parts...)};
 }
 

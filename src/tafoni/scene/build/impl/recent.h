@@ -1,5 +1,5 @@
 #pragma once
-// What was made lately, by what it depends on.
+// Keeps what was made lately under a key that says what it depends on.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +13,7 @@ class Recent {
  public:
   explicit Recent(std::size_t limit) : limit_(limit) {}
 
-  /// Null when it is not there.
+  /// The result under a key; null when it is not there.
   const T* find(const Key& key) {
     const auto found = items_.find(key);
     if (found == items_.end()) return nullptr;
@@ -29,7 +29,7 @@ class Recent {
     }
     return items_.insert_or_assign(key, Item{std::move(value), ++clock_}).first->second.value;
   }
-  /// What `make` gives, unless it is there.
+  /// The result under a key; `make` makes it unless it is there.
   template <class F>
   const T& get(const Key& key, F&& make) {
     if (const T* found = find(key)) return *found;

@@ -13,10 +13,10 @@
 
 namespace tafoni::scene::impl {
 
-/// Null where nothing limits a layer.
+/// Where a layer acts; null where nothing limits it.
 using RegionPtr = std::shared_ptr<const landforms::Region>;
 
-/// A mask that strokes paint.
+/// The strokes that paint a mask, and the raster whose pixels it takes.
 struct PaintedMask {
   PaintStrokes paint;
   Keyed<RasterPtr> like;  ///< local heights, whose pixels the mask has

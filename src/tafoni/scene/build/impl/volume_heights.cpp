@@ -27,11 +27,11 @@ class Tops {
     const Vec3i n = frame_.size;
     volume::SampleBox box{{a * side, b * side, 0},
                           {std::min(a * side + side, n.x) - 1, std::min(b * side + side, n.y) - 1, 0}};
-    const auto columns = static_cast<std::size_t>(box.size().x) * static_cast<std::size_t>(box.size().y);
+    const std::ptrdiff_t columns = std::ptrdiff_t{box.size().x} * box.size().y;
     out.assign(columns, frame_.origin.z);
     above_.assign(columns, -1);
     found_.assign(columns, 0);
-    std::size_t left = columns;
+    std::ptrdiff_t left = columns;
     for (int c = grid_.chunks().z - 1; c >= 0 && left > 0; --c) {
       float same = 0;
       if (grid_.uniform({a, b, c}, &same) && same <= 0) {
@@ -39,21 +39,21 @@ class Tops {
         continue;
       }
       box.lo.z = c * side, box.hi.z = std::min(c * side + side, n.z) - 1;
-      samples_.resize(columns * static_cast<std::size_t>(box.size().z));
+      samples_.resize(columns * box.size().z);
       grid_.read(box, samples_.data());
       for (int z = box.hi.z; z >= box.lo.z && left > 0; --z)
-        left -= level(z, samples_.data() + columns * static_cast<std::size_t>(z - box.lo.z), out);
+        left -= level(z, samples_.data() + columns * (z - box.lo.z), out);
     }
   }
 
  private:
-  /// Columns whose first rock is at this level. Returns how many.
-  std::size_t level(int z, const float* samples, std::vector<double>& out) {
-    std::size_t found = 0;
+  /// Finds the columns whose first rock is at this level, and returns how many they are.
+  std::ptrdiff_t level(int z, const float* samples, std::vector<double>& out) {
+    std::ptrdiff_t found = 0;
     for (std::size_t i = 0; i < out.size(); ++i) {
       const float v = samples[i];
       if (!found_[i] && v > 0) {
-        const double t = z == frame_.size.z - 1 ? 0 : static_cast<double>(v) / (v - above_[i]);
+        const double t = z == frame_.size.z - 1 ? 0 : double{v} / (v - above_[i]);
         out[i] = frame_.origin.z + frame_.spacing * (z + t);
         found_[i] = 1;
         ++found;
@@ -83,9 +83,8 @@ raster::Raster heights_of(const io::Volume& volume) {
     Tops(grid).find(a, b, tops);
     constexpr int side = ScalarGrid::chunk_samples;
     const int width = std::min(side, n.x - a * side);
-    for (std::size_t i = 0; i < tops.size(); ++i)
-      columns.at(a * side + static_cast<int>(i) % width, b * side + static_cast<int>(i) / width) =
-          static_cast<float>(tops[i] + volume.origin.z);
+    for (int i = 0; i < std::ssize(tops); ++i)
+      columns.at(a * side + i % width, b * side + i / width) = static_cast<float>(tops[i] + volume.origin.z);
   });
   raster::Raster out;
   out.crs = volume.metadata.crs;

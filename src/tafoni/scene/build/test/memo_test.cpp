@@ -68,9 +68,9 @@ TEST(Memo, ForgetsTheOldest) {
 
 TEST(Memo, WhatIsMadeOfKeyedValuesHasTheirKeysInItsOwn) {
   const Keyed<double> a{4, digest_of(1.0)}, same{4, digest_of(2.0)};
-  EXPECT_EQ(keyed(&half, a).value, 2);
-  EXPECT_EQ(keyed(&half, a).key, keyed(&half, a).key);
-  EXPECT_NE(keyed(&half, a).key, keyed(&half, same).key);
+  EXPECT_EQ(make_keyed(&half, a).value, 2);
+  EXPECT_EQ(make_keyed(&half, a).key, make_keyed(&half, a).key);
+  EXPECT_NE(make_keyed(&half, a).key, make_keyed(&half, same).key);
 }
 
 }  // namespace

@@ -1,3 +1,5 @@
+// A block of a scene has parameters that all of its sort have, kept in members of a struct, and those of its
+// type, kept as values by name. Here both are looked up, read and written as one list.
 #include "tafoni/scene/document/impl/types.h"
 
 #include <algorithm>
@@ -23,7 +25,7 @@ const std::vector<ParamInfo>& params_of_geology(std::string_view type) {
   return geology::find_geology(type).about.params;
 }
 
-std::vector<ParamInfo> joined(std::span<const ParamInfo> common, std::span<const ParamInfo> own) {
+std::vector<ParamInfo> join_params(std::span<const ParamInfo> common, std::span<const ParamInfo> own) {
   std::vector<ParamInfo> out(common.begin(), common.end());
   out.insert(out.end(), own.begin(), own.end());
   return out;
@@ -37,8 +39,8 @@ bool has(std::span<const ParamInfo> infos, std::string_view name) {
 
 }  // namespace
 
-Value loaded(std::span<const ParamInfo> common, const void* object, const Values& own,
-             const ParamInfo& info) {
+Value load_value(std::span<const ParamInfo> common, const void* object, const Values& own,
+                 const ParamInfo& info) {
   if (has(common, info.name)) return info.load(info, object);
   const auto found = own.find(info.name);
   return found == own.end() ? info.init : found->second;

@@ -15,10 +15,11 @@ const std::vector<ParamInfo>& params_of_generator(std::string_view name);
 const std::vector<ParamInfo>& params_of_geology(std::string_view type);
 
 /// Common parameters first, then those of the type.
-std::vector<ParamInfo> joined(std::span<const ParamInfo> common, std::span<const ParamInfo> own);
+std::vector<ParamInfo> join_params(std::span<const ParamInfo> common, std::span<const ParamInfo> own);
 
 /// The value that a block has for `info`, a default where it says nothing.
-Value loaded(std::span<const ParamInfo> common, const void* object, const Values& own, const ParamInfo& info);
+Value load_value(std::span<const ParamInfo> common, const void* object, const Values& own,
+                 const ParamInfo& info);
 
 /// Stores a checked value: into `object` where `common` has the name, else into `own`, which keeps only what
 /// differs from the default of `info`.

@@ -85,7 +85,7 @@ TEST(ParseScene, EveryDefaultIsAllowed) {
     for (const ParamInfo& info : infos) {
       const auto* list = std::get_if<std::vector<double>>(&info.init);
       if (list && list->empty()) continue;
-      EXPECT_NO_THROW(checked(info, info.init, owner)) << owner << '.' << info.name;
+      EXPECT_NO_THROW(check_value(info, info.init, owner)) << owner << '.' << info.name;
     }
   };
   all_allowed(scene_params(), "scene");

@@ -17,7 +17,7 @@
 
 namespace tafoni::scene::impl {
 
-/// What the scene has come to before a layer.
+/// What all below a layer has come to, which the layer builds on.
 struct Below {
   terrain::Terrain terrain;
   field::HeightfieldSettings settings;
@@ -25,7 +25,7 @@ struct Below {
   field::NodePtr open;  ///< without the domain, whose walls are no cliffs
 };
 
-/// All that a layer may look at.
+/// All that a layer may look at: what it makes is kept under a digest of these.
 struct LayerParts {
   Keyed<Below> below;
   Layer words;  ///< without its name and its own seed, which decide nothing but `seed`
@@ -42,7 +42,7 @@ inline auto parts(const LayerParts& layer) {
 landforms::Result make_layer(const LayerParts& parts, Readers& readers);
 using Results = Memo<landforms::Result, Readers, LayerParts>;
 
-/// One layer of a build.
+/// What one layer of a build came to.
 struct BuiltLayer {
   const LayerType* type = nullptr;
   Keyed<landforms::Result> made;
@@ -50,7 +50,7 @@ struct BuiltLayer {
   std::shared_ptr<const void> own;  ///< what LayerType::changed() of the type compares, beyond `made`
 };
 
-/// A layer's place in a build.
+/// What a build offers to a layer at its place in it.
 struct LayerSite {
   const Keyed<Below>& below;
   Layer words;  ///< as LayerParts::words

@@ -6,6 +6,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/scene/sculpt/brush.h"
 
 namespace tafoni::scene::brush_arch {
@@ -45,10 +46,9 @@ void rib(const Stroke& stroke, const Params& p, std::uint64_t seed, Dab& dab) {
   const double bow = stroke.roughness * stroke.radius * random.uniform(-1, 1);
   std::vector<Vec3d> path;
   const double way = length(b - a) + rise;
-  const int steps =
-      least_steps + static_cast<int>(std::min(steps_per_radius * way / stroke.radius, most_steps));
-  for (int i = 0; i <= steps; ++i) {
-    const double t = static_cast<double>(i) / steps, crown = 4 * t * (1 - t);
+  const int steps = least_steps + floor_to(std::min(steps_per_radius * way / stroke.radius, most_steps));
+  for (double i = 0; i <= steps; ++i) {
+    const double t = i / steps, crown = 4 * t * (1 - t);
     path.push_back(a + (b - a) * t + Vec3d{0, 0, rise * crown} + across * (bow * crown));
   }
   dab.tube(path, [&](double t) {
@@ -70,15 +70,15 @@ void opening(const Stroke& stroke, const Params& p, Dab& dab) {
   const auto run = [&](double x, double z, double r) {
     const Vec3d center = middle + sideways * x + Vec3d{0, 0, z};
     const Vec3d ends[] = {center - through * (0.5 * p.depth), center + through * (0.5 * p.depth)};
-    dab.tube(sample_path(ends, false, 0.2 * r), [r](double) { return r; });
+    dab.tube(sample_path(ends, false, path_spacing * r), [r](double) { return r; });
   };
   const double reach = half - bore, top = p.height - bore;
-  const int columns = reach > 0 ? 1 + static_cast<int>(std::ceil(2 * reach / bore)) : 1;
+  const int columns = reach > 0 ? 1 + ceil_to(2 * reach / bore) : 1;
   for (int i = 0; i < columns; ++i) {
     const double x = columns > 1 ? -reach + 2 * reach * i / (columns - 1) : 0;
     const double vault = reach > 0 ? std::sqrt(std::max(1 - (x / reach) * (x / reach), 0.0)) : 1;
     const double ceiling = spring + (top - spring) * vault;
-    const int rows = 1 + static_cast<int>(std::ceil(std::max(ceiling - bore, 0.0) / bore));
+    const int rows = 1 + ceil_to(std::max(ceiling - bore, 0.0) / bore);
     for (int k = 0; k < rows; ++k)
       run(x, rows > 1 ? bore + (ceiling - bore) * k / (rows - 1) : ceiling, bore);
   }

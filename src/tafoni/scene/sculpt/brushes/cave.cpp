@@ -6,6 +6,7 @@
 
 #include "tafoni/core/random.h"
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/scene/sculpt/brush.h"
 
 namespace tafoni::scene::brush_cave {
@@ -19,6 +20,9 @@ constexpr double wander_wavelength = 4;   // bends that a walker sees as bends
 constexpr double width_wavelength = 1.5;  // shorter than bends, so that walls are not parallel
 constexpr double rise = 0.4;              // of the straying sideways goes up and down: floors stay walkable
 constexpr int least_balls = 5, more_balls = 4;  // around the middle of a room
+constexpr double ball_turn = 0.25;              // how far a ball strays from its place, in spaces between two
+constexpr double least_ball = 0.55, most_ball = 0.95;   // radii of these, in radii of the ball in the middle
+constexpr double least_reach = 0.8, most_reach = 1.15;  // how far they reach, in radii of the room
 
 struct Params {
   double variation = 0.3, wander = 0.5, chamber_radius = 0, flatten = 0.6;
@@ -34,7 +38,7 @@ const std::vector<ParamInfo>& params() {
           .real("wander", &P::wander, "", 0, 3,
                 "How far the passage strays from the curve, in radii; 0 follows it")
           .integer("chambers", &P::chambers, "", 0, 1000,
-                   "How many rooms stand along the passage, evenly apart")
+                   "How many rooms stand along the passage, evenly apart; 0 makes none")
           .real("chamber_radius", &P::chamber_radius, "m", 0, 1e4,
                 "Radius of the rooms; 0 takes 2.2 radii of the passage")
           .only("where there is a room: chambers is above 0, or the stroke has one point",
@@ -50,9 +54,7 @@ const std::vector<ParamInfo>& params() {
 double wave(const Random& random, double x) {
   const double whole = std::floor(x), s = smoothstep(x - whole);
   const auto at = [&](double i) {
-    return static_cast<double>(random.at(static_cast<std::uint64_t>(static_cast<std::int64_t>(i))) >> 11) *
-               0x1p-52 -
-           1;
+    return static_cast<double>(random.at(floor_to<std::int64_t>(i)) >> 11) * 0x1p-52 - 1;
   };
   return at(whole) * (1 - s) + at(whole + 1) * s;
 }
@@ -65,15 +67,15 @@ void add_room(Vec3d center, double radius, double flatten, Random random, Dab& d
   const int around = least_balls + static_cast<int>(random.below(more_balls));
   const double turn = random.uniform(0, whole_turn);
   for (int i = 0; i < around; ++i) {
-    const double angle = turn + whole_turn * (i + random.uniform(-0.25, 0.25)) / around;
-    const double r = ball * random.uniform(0.55, 0.95),
-                 far = std::max(radius * random.uniform(0.8, 1.15) - r, 0.0);
+    const double angle = turn + whole_turn * (i + random.uniform(-ball_turn, ball_turn)) / around;
+    const double r = ball * random.uniform(least_ball, most_ball),
+                 far = std::max(radius * random.uniform(least_reach, most_reach) - r, 0.0);
     // The floors of all balls lie on about one level.
     dab.sphere(center + Vec3d{far * std::cos(angle), far * std::sin(angle), r - ball}, r);
   }
 }
 
-/// The way along `path` at each of its points.
+/// How much of the way along `path` is covered at each of its points.
 std::vector<double> ways(std::span<const Vec3d> path) {
   std::vector<double> out(path.size(), 0);
   for (std::size_t i = 1; i < path.size(); ++i) out[i] = out[i - 1] + length(path[i] - path[i - 1]);
@@ -103,7 +105,7 @@ void apply(const Stroke& stroke, std::uint64_t seed, Dab& dab) {
   if (stroke.points.size() == 1)
     return add_room(stroke.points[0], room, p.flatten, Random(seed, Stream::lone_room), dab);
 
-  auto path = sample_path(stroke.points, true, 0.2 * stroke.radius);
+  auto path = sample_path(stroke.points, true, path_spacing * stroke.radius);
   const std::vector<double> covered = ways(path);
   const double whole = covered.back();
   stray(path, covered, stroke.radius, p.wander, seed);
@@ -111,10 +113,11 @@ void apply(const Stroke& stroke, std::uint64_t seed, Dab& dab) {
   dab.tube(path, [&](double t) {
     return stroke.radius * (1 + p.variation * wave(width, t * whole / (width_wavelength * stroke.radius)));
   });
-  for (std::int64_t c = 0; c < p.chambers; ++c) {
-    const double at = whole * (static_cast<double>(c) + 1) / (static_cast<double>(p.chambers) + 1);
+  const int chambers = static_cast<int>(p.chambers);
+  for (int c = 0; c < chambers; ++c) {
+    const double at = whole * (c + 1) / (chambers + 1);
     const auto i = std::lower_bound(covered.begin(), covered.end(), at) - covered.begin();
-    const auto stream = static_cast<std::uint64_t>(Stream::first_room) + static_cast<std::uint64_t>(c);
+    const auto stream = static_cast<std::uint64_t>(Stream::first_room) + c;
     add_room(path[std::min(i, std::ssize(path) - 1)], room, p.flatten, Random(seed, stream), dab);
   }
 }

@@ -23,7 +23,7 @@ void apply(const Stroke& stroke, std::uint64_t, Dab& dab) {
   Params p;
   assign(params(), &p, stroke.values, "curve");
   const double end = p.end_radius > 0 ? p.end_radius : stroke.radius;
-  const auto path = sample_path(stroke.points, p.smooth, 0.2 * std::min(stroke.radius, end));
+  const auto path = sample_path(stroke.points, p.smooth, path_spacing * std::min(stroke.radius, end));
   dab.tube(path, [&](double t) { return stroke.radius + (end - stroke.radius) * t; });
 }
 

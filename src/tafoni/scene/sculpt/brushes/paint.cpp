@@ -6,7 +6,7 @@ namespace {
 const std::vector<ParamInfo>& params() {
   static const std::vector<ParamInfo> infos =
       ParamTable<Painting>()
-          .text("mask", &Painting::mask, "Name of the mask, as layers say it after paint:")
+          .text("mask", &Painting::mask, "Name of the mask, which layers take as mask = \"paint:NAME\"")
           .real("hardness", &Painting::hardness, "", 0, 1,
                 "Part of the radius that gets the full weight: 1 paints a hard edge, 0 fades from the middle "
                 "on")

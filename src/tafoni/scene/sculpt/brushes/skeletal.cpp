@@ -15,7 +15,8 @@ struct Params {
 
 const std::vector<ParamInfo>& params() {
   static const std::vector<ParamInfo> infos = ParamTable<Params>().text(
-      "kind", &Params::kind, "Name of a registered primitive; see tafoni list primitives");
+      "kind", &Params::kind,
+      "Name of a primitive, whose own sizes are then parameters of the stroke; see tafoni list primitives");
   return infos;
 }
 

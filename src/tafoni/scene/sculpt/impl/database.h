@@ -11,7 +11,7 @@ namespace tafoni::scene::impl {
 /// Throws Error: what SQLite's `code` means for the file `name`, and what to do.
 [[noreturn]] void fail_sqlite(const std::string& name, int code, const std::string& detail);
 
-/// Closed at the end of its life.
+/// An open database, which is closed at the end of its life.
 struct Database {
   std::string name;  ///< for messages
   sqlite3* db = nullptr;
@@ -25,7 +25,7 @@ struct Database {
   void run(const char* sql) const { check(sqlite3_exec(db, sql, nullptr, nullptr, nullptr)); }
 };
 
-/// One prepared statement.
+/// A prepared statement, with its parameters and the row it stands at.
 class Query {
  public:
   /// The database must outlive it.
@@ -56,8 +56,7 @@ class Query {
   std::int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
   std::string text(int column) const {
     const auto* v = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
-    return v ? std::string(v, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column)))
-             : std::string();
+    return v ? std::string(v, sqlite3_column_bytes(statement_, column)) : std::string();
   }
 
  private:

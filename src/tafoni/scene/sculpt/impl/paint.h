@@ -24,13 +24,13 @@ struct Slot {
 struct PaintStrokes {
   std::vector<std::shared_ptr<const Stroke>> strokes;
 };
-/// By what they say.
+/// Strokes count by what they say.
 void add_part(Digest& to, const PaintStrokes& paint);
 
-/// Those that paint the mask `name` and are not muted.
+/// The strokes that paint the mask `name` and are not muted.
 PaintStrokes paint_strokes(std::span<const Slot> slots, std::string_view name);
 
-/// One pixel a pixel of `like`, weights in [0, 1], in the frame of `like`, whose origin in the world is
+/// A mask of weights in [0, 1], with the pixels and the frame of `like`, whose origin in the world is
 /// `origin`.
 raster::Raster paint_mask(const PaintStrokes& paint, const raster::Raster& like, Vec3d origin);
 

@@ -9,6 +9,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/field/primitive.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/scene/sculpt/brush.h"
 
 namespace tafoni::scene::impl {
@@ -19,8 +20,14 @@ namespace {
 // would make the field steeper than a lattice of a fifth of the radius can follow.
 constexpr double energy_per_amplitude = 4;
 const double surface_at = std::sqrt(1 - std::cbrt(1 / energy_per_amplitude));
-constexpr double falloff_per_radius = 0.4, wavelength_per_radius = 1.3;
+// A narrow falloff keeps a stroke's surface where it was drawn; a narrower one, again, is too steep.
+constexpr double falloff_per_radius = 0.4;
+// Walls get dents a little wider than the stroke's radius, and in them finer ones down to an eighth of that.
+constexpr double wavelength_per_radius = 1.3;
 constexpr int octaves = 4;
+// Boxes are wider by these than what they hold, for the rounding of primitives to float: a factor, and
+// metres.
+constexpr double box_factor = 1.001, box_margin = 0.01;
 
 /// Primitives that share a cloud: of one kind, and of radii near enough for one falloff and one noise.
 struct CloudClass {
@@ -67,16 +74,15 @@ class Cooking : public Dab {
     const landforms::Region* region = frame_.region.value.get();
     const double weight = region ? region->weight(anchor) : 1;
     if (!(weight > 0)) return;
-    CloudClass key{std::string(kind), static_cast<int>(std::lround(2 * std::log2(radius))),
-                   static_cast<int>(std::lround(100 * stroke_.roughness))};
+    CloudClass key{std::string(kind), round_to(2 * std::log2(radius)), round_to(100 * stroke_.roughness)};
     const double falloff = falloff_per_radius * key.radius();
     const double body = type.volumetric ? radius - surface_at * falloff : radius / surface_at;
     const double energy = energy_per_amplitude * frame_.amplitude * stroke_.strength * weight;
     Item item{anchor, static_cast<float>(stroke_.adds() ? energy : -energy), {static_cast<float>(body)}};
     item.shape.insert(item.shape.end(), extras.begin(), extras.end());
-    const double reach = static_cast<double>(type.extent(extras)) + body + (type.volumetric ? falloff : 0) +
-                         0.01 * key.roughness * key.radius();
-    out_.box.expand(Box3d{anchor, anchor}.grown(1.001 * reach + 0.01));
+    const double reach =
+        type.extent(extras) + body + (type.volumetric ? falloff : 0) + 0.01 * key.roughness * key.radius();
+    out_.box.expand(Box3d{anchor, anchor}.grown(box_factor * reach + box_margin));
     out_.items[std::move(key)].push_back(std::move(item));
   }
 
@@ -88,7 +94,7 @@ class Cooking : public Dab {
 
 /// The same for all strokes of a layer, and different where it stands: not where it comes in the list.
 std::uint64_t seed_of(const Stroke& stroke, std::uint64_t layer) {
-  std::uint64_t seed = hash_combine(layer, static_cast<std::uint64_t>(stroke.seed));
+  std::uint64_t seed = hash_combine(layer, stroke.seed);
   for (const double v : {stroke.points[0].x, stroke.points[0].y, stroke.points[0].z})
     seed = hash_combine(seed, std::bit_cast<std::uint64_t>(v));
   return seed;
@@ -122,8 +128,8 @@ std::vector<int> levels_of(std::span<const Slot> slots,
 void cook_runs(SculptGroup& group, std::uint64_t seed) {
   std::vector<std::map<CloudClass, field::CloudBuilder>> builders;
   for (std::size_t place = 0; place < group.cooked.size(); ++place) {
-    const auto level = static_cast<std::size_t>(group.levels[place]);
-    if (builders.size() <= level) builders.resize(level + 1);
+    const int level = group.levels[place];
+    if (std::ssize(builders) <= level) builders.resize(level + 1);
     if (!group.cooked[place]) continue;
     for (const auto& [kind, items] : group.cooked[place]->items) {
       auto at = builders[level].find(kind);

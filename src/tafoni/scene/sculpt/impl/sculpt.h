@@ -1,5 +1,5 @@
 #pragma once
-// From the strokes of a sculpt layer to its node.
+// Makes the node of a sculpt layer from its strokes.
 //
 // Strokes act in their order: a stroke that adds fills what earlier ones carved. The layer is one sum S, kept
 // within [-L, L] after every run of strokes that carve alike or add alike, so that repeating a stroke piles
@@ -27,7 +27,7 @@
 
 namespace tafoni::scene::impl {
 
-/// What strokes are cooked for.
+/// What strokes are cooked for: the same strokes in another frame make another node.
 struct SculptFrame {
   Vec3d origin = {};       ///< world position of local zero
   double amplitude = 7.5;  ///< T
@@ -69,7 +69,7 @@ inline auto parts(const Slot& slot) {
   return std::tie(stroke, muted);
 }
 
-/// Keeps what it cooked.
+/// Cooks strokes and groups, and keeps what it cooked.
 class SculptCook {
  public:
   static constexpr std::size_t group_size = 128;

@@ -16,9 +16,9 @@ struct StrokeFiles {
 StrokeFiles stroke_files(const Layer& layer);
 void set_journal(Layer& layer, const std::string& path);
 
-/// Those of the text file alone; empty where the path is.
+/// The strokes of the text file alone; none where the path is empty.
 std::vector<Slot> read_strokes(const std::filesystem::path& file);
-/// Those of both files.
+/// The strokes of both files.
 std::vector<Slot> slots_of(const Document& document, const Layer& layer);
 
 }  // namespace tafoni::scene::impl
