@@ -42,6 +42,8 @@ endforeach()
 # Tests spend their time in the library, and most of theirs is Google Test's headers: these are compiled once.
 function(tafoni_build_test_quickly target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  # At -O1, g++ 12 sees copies beyond the end in std::string's own code, as with -Wrestrict above.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds -Wno-stringop-overflow>)
   get_property(first GLOBAL PROPERTY TAFONI_FIRST_TEST)
   if(first)
     target_precompile_headers(${target} REUSE_FROM ${first})

@@ -12,7 +12,7 @@ namespace tafoni::landforms::impl {
 namespace {
 
 /// Chosen by eye.
-namespace look {
+namespace openings_look {
 // Powers of the superellipses: a window's vault and its flat floor with rounded corners; a bridge's section.
 constexpr double vault = 2.3, floor = 5;
 // How a window's section meets its far ends: the powers of both in a superellipse, so that it stays wide.
@@ -28,7 +28,7 @@ constexpr double bend = 3.1, bend_start = 0.4;
 // Bounds of what follows from these: of the slope of the bend, in wanders a span, and of the line's, in
 // rises; of the ends' thickness, in the middle's, and of how far they reach beyond the span, in spans.
 constexpr double bend_slope = 6, rise_slope = 5.5, thickest = 3.2, beyond = 0.3;
-}  // namespace look
+}  // namespace openings_look
 
 struct Span {
   double lo, hi;
@@ -78,10 +78,10 @@ class WindowShape final : public RockShape {
     const double a = s / w_.half_width, l = w / w_.half_length;
     const double b = std::abs(t) / w_.half_height;
     // The roof is vaulted, the floor flat with rounded corners.
-    const double n = t > 0 ? look::vault : look::floor;
+    const double n = t > 0 ? openings_look::vault : openings_look::floor;
     const double section = std::pow(std::pow(a, n) + std::pow(b, n), 1 / n);
-    return (1 -
-            std::pow(std::pow(section, look::section) + std::pow(l, look::lengthways), 1 / look::section)) *
+    return (1 - std::pow(std::pow(section, openings_look::section) + std::pow(l, openings_look::lengthways),
+                         1 / openings_look::section)) *
            least_;
   }
 
@@ -114,8 +114,8 @@ class BridgeShape final : public RockShape {
     const Span u = impl::along(box, b_.from, ahead_), s = impl::along(box, b_.from, side_);
     // In short pieces lengthways the curve, the breadth and the depth vary little.
     constexpr int most_pieces = 64;
-    const double lo = std::clamp(u.lo / span_, -look::overhang, 1 + look::overhang),
-                 hi = std::clamp(u.hi / span_, -look::overhang, 1 + look::overhang);
+    const double lo = std::clamp(u.lo / span_, -openings_look::overhang, 1 + openings_look::overhang),
+                 hi = std::clamp(u.hi / span_, -openings_look::overhang, 1 + openings_look::overhang);
     const int pieces = std::clamp(ceil_to((hi - lo) * most_pieces), 1, 2 * most_pieces);
     Range r{1e30, -1e30};
     for (int i = 0; i < pieces; ++i) {
@@ -125,10 +125,12 @@ class BridgeShape final : public RockShape {
       r.hi = std::max(r.hi, piece.hi);
     }
     // Beyond the ends the value falls with the distance from them.
-    const double beyond =
-        std::max({0.0, u.lo / span_ - (1 + look::overhang), -look::overhang - u.hi / span_}) * span_;
-    const double farthest =
-        std::max({0.0, u.hi / span_ - (1 + look::overhang), -look::overhang - u.lo / span_}) * span_;
+    const double beyond = std::max({0.0, u.lo / span_ - (1 + openings_look::overhang),
+                                    -openings_look::overhang - u.hi / span_}) *
+                          span_;
+    const double farthest = std::max({0.0, u.hi / span_ - (1 + openings_look::overhang),
+                                      -openings_look::overhang - u.lo / span_}) *
+                            span_;
     return {r.lo - farthest, r.hi - beyond};
   }
 
@@ -139,24 +141,25 @@ class BridgeShape final : public RockShape {
     return b_.from.z + (b_.to.z - b_.from.z) * t + b_.rise * (1 - end(t) * end(t));
   }
   double bend(double t) const {
-    return b_.wander * std::sin(look::bend * t + look::bend_start) * (1 - std::min(1.0, end(t)));
+    return b_.wander * std::sin(openings_look::bend * t + openings_look::bend_start) *
+           (1 - std::min(1.0, end(t)));
   }
   double breadth(double t) const {
-    return b_.width * (1 + look::end_breadth * std::pow(end(t), look::end_power));
+    return b_.width * (1 + openings_look::end_breadth * std::pow(end(t), openings_look::end_power));
   }
   double depth(double t) const {
-    return b_.depth * (1 + look::end_depth * std::pow(end(t), look::end_power));
+    return b_.depth * (1 + openings_look::end_depth * std::pow(end(t), openings_look::end_power));
   }
 
   double value(double t, double s, double z) const {
-    const double c = std::clamp(t, -look::overhang, 1 + look::overhang);
+    const double c = std::clamp(t, -openings_look::overhang, 1 + openings_look::overhang);
     // The deck stays level with the line: what the ends gain in depth they gain below.
     const double middle = line(c) - (depth(c) - b_.depth);
     return round(std::abs(s - bend(c)) / breadth(c), std::abs(z - middle) / depth(c)) -
            std::abs(t - c) * span_;
   }
   double round(double a, double b) const {
-    constexpr double n = look::bridge_section;
+    constexpr double n = openings_look::bridge_section;
     return (1 - std::cbrt(std::pow(a, n) + std::pow(b, n))) * std::min(b_.width, b_.depth);
   }
 
@@ -166,8 +169,9 @@ class BridgeShape final : public RockShape {
     Span w = both(breadth(t0), breadth(t1)), h = both(depth(t0), depth(t1));
     if (t0 < 0.5 && t1 > 0.5) w.lo = breadth(0.5), h.lo = depth(0.5);
     const double half = 0.5 * (t1 - t0), m = 0.5 * (t0 + t1);
-    const double sway = half * look::bend_slope * std::abs(b_.wander);
-    const double climb = half * (std::abs(b_.to.z - b_.from.z) + look::rise_slope * std::abs(b_.rise));
+    const double sway = half * openings_look::bend_slope * std::abs(b_.wander);
+    const double climb =
+        half * (std::abs(b_.to.z - b_.from.z) + openings_look::rise_slope * std::abs(b_.rise));
     const double low = line(m) - climb - (h.hi - b_.depth), high = line(m) + climb - (h.lo - b_.depth);
     const Span side{s.lo - bend(m) - sway, s.hi - bend(m) + sway}, up{z0 - high, z1 - low};
     return {round(side.most() / w.lo, up.most() / h.lo), round(side.least() / w.hi, up.least() / h.hi)};
@@ -207,10 +211,10 @@ std::shared_ptr<const RockShape> bridge_shape(const Bridge& bridge, const RockTe
 }
 
 Box3d reach(const Bridge& b, double margin, double amplitude) {
-  const double grown =
-      look::thickest * std::max(b.width, b.depth) * (1 + (margin + amplitude) / std::min(b.width, b.depth));
+  const double grown = openings_look::thickest * std::max(b.width, b.depth) *
+                       (1 + (margin + amplitude) / std::min(b.width, b.depth));
   Box3d box;
-  const double beyond = look::beyond * length(b.to - b.from) + margin + amplitude;
+  const double beyond = openings_look::beyond * length(b.to - b.from) + margin + amplitude;
   box.expand(b.from);
   box.expand(b.to);
   box = box.grown(grown + std::abs(b.wander));

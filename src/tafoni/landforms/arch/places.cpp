@@ -16,10 +16,10 @@
 namespace tafoni::landforms::impl {
 namespace {
 
-enum class Stream : std::uint64_t { faces = 0xa7c4, rock = 0x7e, bridges = 0xb1 };
+enum class PlacesStream : std::uint64_t { faces = 0xa7c4, rock = 0x7e, bridges = 0xb1 };
 
 /// Chosen by eye; lengths are in sizes of the greatest opening where nothing else is said.
-namespace look {
+namespace places_look {
 // Defaults: the size in metres at least and in pixels of the terrain, and what follows from it.
 constexpr double least_size = 18, size_pixels = 3, thickness = 1.2, roof = 0.2, span = 3;
 // Faces are sampled so that so many lie across the terrain, within these distances, and off its border.
@@ -64,7 +64,7 @@ constexpr double relief = 0.22, relief_scale = 0.6, unevenness = 0.05, wavelengt
 // far it strays at roughness 1.
 constexpr double rise = 0.12, breadth = 0.08, depth = 0.055, stray = 0.08;
 constexpr double least_breadth = 1.5, least_depth = 1.2;
-}  // namespace look
+}  // namespace places_look
 
 template <class T>
 void best_first(std::vector<Found<T>>& found) {
@@ -80,13 +80,13 @@ class Search {
   ArchPlaces run(Progress& progress) const {
     SurfaceSampling sampling;
     const Vec3d extent = ground_.box().size();
-    sampling.spacing = std::clamp(std::max(extent.x, extent.y) / look::faces_across,
-                                  look::faces_near * p_.size, look::faces_far * p_.size);
+    sampling.spacing = std::clamp(std::max(extent.x, extent.y) / places_look::faces_across,
+                                  places_look::faces_near * p_.size, places_look::faces_far * p_.size);
     sampling.box = ground_.box();
-    sampling.seed = hash_combine(ground_.site().seed, Stream::faces);
+    sampling.seed = hash_combine(ground_.site().seed, PlacesStream::faces);
     const auto steep = static_cast<float>(std::cos(p_.slope * degree));
     sampling.accept = [&](const SurfaceSample& at) {
-      return std::abs(at.normal.z) < steep && ground_.usable(at.position, look::border * p_.size);
+      return std::abs(at.normal.z) < steep && ground_.usable(at.position, places_look::border * p_.size);
     };
     const auto faces = sample_surface(field_, sampling, progress);
     ArchPlaces found;
@@ -127,7 +127,7 @@ class Search {
 
   /// The height of the rock below a place `p` in the air; none where it lies too far down or `p` is rock.
   std::optional<double> foot(Vec3d p) const {
-    const double down = until(true, p, {0, 0, -1}, look::foot * p_.size);
+    const double down = until(true, p, {0, 0, -1}, places_look::foot * p_.size);
     if (down < 0 || solid(p)) return {};
     return p.z - down;
   }
@@ -167,15 +167,16 @@ class Search {
     const Vec3d before = face.position - inward * (2 * step_);
     const auto low = foot(before);
     if (!low) return {};
-    const double radius = look::shaft * p_.size;
-    for (const double strip : look::strips) {
-      const double depth = std::max(look::least_strip * p_.roof, strip * p_.size) + look::shaft_room * radius;
+    const double radius = places_look::shaft * p_.size;
+    for (const double strip : places_look::strips) {
+      const double depth =
+          std::max(places_look::least_strip * p_.roof, strip * p_.size) + places_look::shaft_room * radius;
       const Vec3d behind = face.position + inward * depth;
-      const double up = until(false, behind, {0, 0, 1}, look::shaft_top * p_.size);
+      const double up = until(false, behind, {0, 0, 1}, places_look::shaft_top * p_.size);
       if (up < 0 || !solid(behind)) continue;
       bool bears = true;
       for (double z : {0.3, 0.5, 0.7})
-        bears = bears && solid(behind - inward * (look::shaft_wall * radius) + Vec3d{0, 0, z * up});
+        bears = bears && solid(behind - inward * (places_look::shaft_wall * radius) + Vec3d{0, 0, z * up});
       if (!bears) continue;
       Window w;
       w.through = inward;
@@ -185,8 +186,8 @@ class Search {
       w.shaft_radius = radius;
       auto made = fit_opening(w, *low, face.position.z);
       if (!made) return {};
-      made->what.shaft_top = behind.z + up + look::shaft_above * p_.size - made->what.center.z;
-      made->merit -= look::shaft_merit;
+      made->what.shaft_top = behind.z + up + places_look::shaft_above * p_.size - made->what.center.z;
+      made->merit -= places_look::shaft_merit;
       return made;
     }
     return {};
@@ -198,32 +199,33 @@ class Search {
     middle.z = z;
     const Vec3d roofed =
         w.shaft_radius > 0
-            ? middle - w.through * (dot(middle - w.center, w.through) + look::crown * w.half_length)
+            ? middle - w.through * (dot(middle - w.center, w.through) + places_look::crown * w.half_length)
             : middle;
     if (!solid(roofed)) return {};
-    const double up = until(false, roofed, {0, 0, 1}, look::far * p_.size);
-    const double top = roofed.z + (up < 0 ? look::far * p_.size : up);
+    const double up = until(false, roofed, {0, 0, 1}, places_look::far * p_.size);
+    const double top = roofed.z + (up < 0 ? places_look::far * p_.size : up);
     const RockTexture rock = arch_texture(ground_, p_, 1);
     const double sway = rock.unevenness + 0.5 * std::abs(rock.relief);
-    const double height = std::min(p_.size, look::height * (top - floor - p_.roof) - sway);
-    if (height < look::least_height * p_.size) return {};
+    const double height = std::min(p_.size, places_look::height * (top - floor - p_.roof) - sway);
+    if (height < places_look::least_height * p_.size) return {};
     w.half_height = 0.5 * height;
-    w.center.z = floor + w.half_height + look::sill * height;
+    w.center.z = floor + w.half_height + places_look::sill * height;
     // It is judged once, from a face at about the middle of its height.
-    if (std::abs(z - w.center.z) > look::judged * w.half_height) return {};
+    if (std::abs(z - w.center.z) > places_look::judged * w.half_height) return {};
     const double rho = resistance(w.center, w.half_height);
     const double wanted =
-        w.half_height * (look::soft_width - look::hard_loss * smoothstep(look::soft, look::hard, rho));
+        w.half_height * (places_look::soft_width -
+                         places_look::hard_loss * smoothstep(places_look::soft, places_look::hard, rho));
     double free = wanted;
     for (double hand : {-1.0, 1.0}) {
-      const double wall = until(false, roofed, w.along() * hand, look::wall_far * wanted);
-      if (wall > 0) free = std::min(free, look::wall_share * wall);
+      const double wall = until(false, roofed, w.along() * hand, places_look::wall_far * wanted);
+      if (wall > 0) free = std::min(free, places_look::wall_share * wall);
     }
     w.half_width = free;
-    if (w.half_width < look::least_width * w.half_height) return {};
+    if (w.half_width < places_look::least_width * w.half_height) return {};
     const double slender = w.half_length / p_.thickness;
     const double area = 4 * w.half_width * w.half_height / (p_.size * p_.size);
-    return Found<Window>{1 - rho + look::area_merit * area - slender, w};
+    return Found<Window>{1 - rho + places_look::area_merit * area - slender, w};
   }
 
   /// A bridge to the opposite face of a narrow valley.
@@ -231,18 +233,19 @@ class Search {
     const Vec3d outward = normalized(Vec3d{to_double(face.normal).x, to_double(face.normal).y, 0});
     const Vec3d start = face.position + outward * (2 * step_);
     const double gap = until(true, start, outward, p_.span);
-    if (gap < look::least_gap * p_.size || solid(start)) return {};
+    if (gap < places_look::least_gap * p_.size || solid(start)) return {};
     const Vec3d other = start + outward * (gap + step_);
-    if (!ground_.usable(other, look::border * p_.size)) return {};
+    if (!ground_.usable(other, places_look::border * p_.size)) return {};
     const Vec3d middle = 0.5 * (face.position + other);
-    const double drop = until(true, middle, {0, 0, -1}, look::far * p_.size);
-    if (drop > 0 && drop < look::least_drop * p_.size) return {};
+    const double drop = until(true, middle, {0, 0, -1}, places_look::far * p_.size);
+    if (drop > 0 && drop < places_look::least_drop * p_.size) return {};
     // It lies high up, but below the rims on both sides.
     for (Vec3d end : {face.position, other}) {
-      const Vec3d in = end + (end == other ? outward : -outward) * (look::abutment * gap);
-      if (!solid(in) || !solid(in + Vec3d{0, 0, look::under_rim * p_.size})) return {};
+      const Vec3d in = end + (end == other ? outward : -outward) * (places_look::abutment * gap);
+      if (!solid(in) || !solid(in + Vec3d{0, 0, places_look::under_rim * p_.size})) return {};
     }
-    const double up = until(false, face.position - outward * (3 * step_), {0, 0, 1}, look::rim * p_.size);
+    const double up =
+        until(false, face.position - outward * (3 * step_), {0, 0, 1}, places_look::rim * p_.size);
     if (up < 0) return {};
     return Found<Bridge>{gap / p_.span - up / p_.size,
                          plan_bridge(ground_, p_, face.position, other, standing_)};
@@ -258,10 +261,10 @@ class Search {
 }  // namespace
 
 ArchParams with_defaults(ArchParams p, const Ground& ground) {
-  if (p.size <= 0) p.size = std::max(look::least_size, look::size_pixels * ground.pixel());
-  if (p.thickness <= 0) p.thickness = look::thickness * p.size;
-  if (p.roof <= 0) p.roof = look::roof * p.size;
-  if (p.span <= 0) p.span = look::span * p.size;
+  if (p.size <= 0) p.size = std::max(places_look::least_size, places_look::size_pixels * ground.pixel());
+  if (p.thickness <= 0) p.thickness = places_look::thickness * p.size;
+  if (p.roof <= 0) p.roof = places_look::roof * p.size;
+  if (p.span <= 0) p.span = places_look::span * p.size;
   return p;
 }
 
@@ -273,24 +276,24 @@ ArchPlaces find_arch_places(const Ground& ground, const field::CompiledField& fi
 RockTexture arch_texture(const Ground& ground, const ArchParams& p, double sign) {
   RockTexture t;
   t.geology = ground.site().geology;
-  t.relief = sign * look::relief * p.weakness * p.size * look::relief_scale;
-  t.unevenness = look::unevenness * p.roughness * p.size;
-  t.wavelength = look::wavelength * p.size;
+  t.relief = sign * places_look::relief * p.weakness * p.size * places_look::relief_scale;
+  t.unevenness = places_look::unevenness * p.roughness * p.size;
+  t.wavelength = places_look::wavelength * p.size;
   t.amplitude = ground.site().amplitude;
   t.origin = ground.site().origin;
-  t.seed = hash_combine(ground.site().seed, Stream::rock);
+  t.seed = hash_combine(ground.site().seed, PlacesStream::rock);
   return t;
 }
 
 Bridge plan_bridge(const Ground& ground, const ArchParams& p, Vec3d a, Vec3d b, std::size_t index) {
   const double span = length(b - a);
-  Random random(hash_combine(ground.site().seed, Stream::bridges), std::uint64_t{index});
+  Random random(hash_combine(ground.site().seed, PlacesStream::bridges), std::uint64_t{index});
   return {a,
           b,
-          look::rise * span,
-          std::max(look::least_breadth, look::breadth * span),
-          std::max(look::least_depth, look::depth * span),
-          look::stray * span * random.uniform(-1, 1) * p.roughness};
+          places_look::rise * span,
+          std::max(places_look::least_breadth, places_look::breadth * span),
+          std::max(places_look::least_depth, places_look::depth * span),
+          places_look::stray * span * random.uniform(-1, 1) * p.roughness};
 }
 
 }  // namespace tafoni::landforms::impl

@@ -16,10 +16,10 @@
 namespace tafoni::landforms::impl {
 namespace {
 
-enum class Stream : std::uint64_t { depth = 1, swirls = 2, sway = 3, flutes = 4 };
+enum class SlotStream : std::uint64_t { depth = 1, swirls = 2, sway = 3, flutes = 4 };
 
 /// Chosen by eye; lengths are in widths of the slot where nothing else is said.
-namespace look {
+namespace slot_look {
 // Reach of a point and the step between points, so that a sheet of them opens evenly.
 constexpr double reach = 0.85, step = 0.38;
 // The course is smoothed over so much, and over so many pixels of the terrain; a slot is so long at least.
@@ -44,7 +44,7 @@ constexpr double surplus = 1.1, most_open = 0.8;
 constexpr double sway_along = 5, sway_up = 3.5, sway = 1.1, flute_along = 2, flute_up = 2.2, flutes = 0.22;
 // From this share of the depth up the slot turns upright, so that it meets the river's own course.
 constexpr double upright = 0.7, all_upright = 1.05;
-}  // namespace look
+}  // namespace slot_look
 
 /// A course as a smooth line with even steps, its bed never rising downstream.
 std::vector<Vec3d> smooth_course(const std::vector<Vec3d>& line, double step, double over) {
@@ -75,14 +75,14 @@ class Slot {
   Slot(const Ground& ground, const SlotSettings& settings)
       : ground_(ground),
         s_(settings),
-        reach_(look::reach * settings.slot_width),
-        step_(look::step * settings.slot_width) {}
+        reach_(slot_look::reach * settings.slot_width),
+        step_(slot_look::step * settings.slot_width) {}
 
   double carve(field::CloudBuilder& cloud, const Streams::Course& course) {
-    const auto line =
-        smooth_course(course.line, step_,
-                      std::max(look::smoothing * s_.slot_width, look::smoothing_pixels * ground_.pixel()));
-    if (static_cast<double>(line.size()) * step_ < look::least_length * s_.slot_width) return 0;
+    const auto line = smooth_course(
+        course.line, step_,
+        std::max(slot_look::smoothing * s_.slot_width, slot_look::smoothing_pixels * ground_.pixel()));
+    if (static_cast<double>(line.size()) * step_ < slot_look::least_length * s_.slot_width) return 0;
     std::vector<std::vector<Point>> made(line.size());
     parallel_blocks(std::ssize(line), 8, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t i = begin; i < end; ++i) made[i] = section(line, i);
@@ -101,8 +101,8 @@ class Slot {
     double radius, energy;
   };
 
-  double noise(Vec3d p, Stream stream) const {
-    return look::noise_gain * (fbm(p, 2, hash_combine(s_.seed, stream)) - 0.5);
+  double noise(Vec3d p, SlotStream stream) const {
+    return slot_look::noise_gain * (fbm(p, 2, hash_combine(s_.seed, stream)) - 0.5);
   }
 
   /// The points of one cross section, from the floor up.
@@ -114,44 +114,48 @@ class Slot {
     const double along = static_cast<double>(i) * step_, left = static_cast<double>(n - 1 - i) * step_;
     // Upstream the slot begins at a fall; where it leaves, it opens to whatever lies below.
     const double depth =
-        s_.slot_depth * smoothstep(0.0, look::head * s_.slot_depth, left + look::fall * s_.slot_depth) *
-        (look::mean_depth +
-         look::depth_change * noise({along / (look::depth_wave * s_.slot_width), 0, 9}, Stream::depth));
+        s_.slot_depth *
+        smoothstep(0.0, slot_look::head * s_.slot_depth, left + slot_look::fall * s_.slot_depth) *
+        (slot_look::mean_depth +
+         slot_look::depth_change *
+             noise({along / (slot_look::depth_wave * s_.slot_width), 0, 9}, SlotStream::depth));
     std::vector<Point> points;
     const double floor = at.z - depth;
-    for (double z = floor + look::lowest * s_.slot_width; z < at.z + look::highest * s_.slot_width;
+    for (double z = floor + slot_look::lowest * s_.slot_width; z < at.z + slot_look::highest * s_.slot_width;
          z += step_) {
       const double up = std::clamp((z - floor) / std::max(depth, 1e-6), 0.0, 1.0);
       const Vec3d p = at + Vec3d{0, 0, z - at.z} + aside * offset(along, z, up);
       if (!ground_.usable(p)) continue;
       const double soft = erosion_effect(ground_.resistance(p), 1, s_.beta);
       // Wide chambers where water swirled, necks between; wider where beds are soft and towards the floor.
-      const double swirl =
-          noise({along / (look::swirl_along * s_.slot_width), z / (look::swirl_up * s_.slot_width), 4},
-                Stream::swirls);
-      const double half = 0.5 * s_.slot_width *
-                          std::clamp((look::hard + look::soft * soft) * (1 + look::swirl * swirl) *
-                                         (look::floor_width - look::narrowing * up),
-                                     look::narrowest, look::widest);
+      const double swirl = noise(
+          {along / (slot_look::swirl_along * s_.slot_width), z / (slot_look::swirl_up * s_.slot_width), 4},
+          SlotStream::swirls);
+      const double half =
+          0.5 * s_.slot_width *
+          std::clamp((slot_look::hard + slot_look::soft * soft) * (1 + slot_look::swirl * swirl) *
+                         (slot_look::floor_width - slot_look::narrowing * up),
+                     slot_look::narrowest, slot_look::widest);
       // Where the slot leans or turns, its points lie farther apart.
       const double lean = (offset(along, z + step_, up) - offset(along, z, up)) / step_;
       const double turn = (offset(along + step_, z, up) - offset(along, z, up)) / step_;
-      const double stretched = look::surplus * std::sqrt(1 + lean * lean + turn * turn);
+      const double stretched = slot_look::surplus * std::sqrt(1 + lean * lean + turn * turn);
       points.push_back(
-          {p, reach_, -stretched * sheet_energy(std::min(half, look::most_open * reach_), at.z - z)});
+          {p, reach_, -stretched * sheet_energy(std::min(half, slot_look::most_open * reach_), at.z - z)});
     }
     return points;
   }
 
   /// The walls of both sides sway together, in other places on other levels.
   double offset(double along, double z, double up) const {
-    const double sway = noise(
-        {along / (look::sway_along * s_.slot_width), z / (look::sway_up * s_.slot_width), 17}, Stream::sway);
-    const double flutes =
-        noise({along / (look::flute_along * s_.slot_width), z / (look::flute_up * s_.slot_width), 31},
-              Stream::flutes);
-    return s_.winding * s_.slot_width * (look::sway * sway + look::flutes * flutes) *
-           (1 - smoothstep(look::upright, look::all_upright, up));
+    const double sway =
+        noise({along / (slot_look::sway_along * s_.slot_width), z / (slot_look::sway_up * s_.slot_width), 17},
+              SlotStream::sway);
+    const double flutes = noise(
+        {along / (slot_look::flute_along * s_.slot_width), z / (slot_look::flute_up * s_.slot_width), 31},
+        SlotStream::flutes);
+    return s_.winding * s_.slot_width * (slot_look::sway * sway + slot_look::flutes * flutes) *
+           (1 - smoothstep(slot_look::upright, slot_look::all_upright, up));
   }
 
   /// The energy of each of a sheet of points `step` apart that opens it to `half` on both sides, `under`

@@ -19,7 +19,7 @@ namespace {
 constexpr int tile = 8;
 
 /// Chosen by eye.
-namespace look {
+namespace streams_look {
 // A sheer face outdoes any river by its slope, so that slopes are kept within these, and averaged over so
 // many cells to each side.
 constexpr float least_slope = 0.02f, greatest_slope = 0.35f;
@@ -34,7 +34,7 @@ constexpr double covered = 3;
 constexpr int means = 3;
 // Courses of fewer cells are too short to count.
 constexpr std::size_t least_course = 8;
-}  // namespace look
+}  // namespace streams_look
 
 struct Pixel {
   int col, row;
@@ -84,15 +84,15 @@ Streams::Streams(const Ground& ground, const StreamSettings& settings, Progress&
     for (std::size_t i = 0; i < filled_.values.size(); ++i)
       if (!ground.site().valid->data()[i]) filled_.values.data()[i] = raster::no_data;
   filled_.values = terrain::fill_depressions(filled_, {}, progress);
-  area_ = terrain::drainage_area(filled_, look::freeman, progress);
+  area_ = terrain::drainage_area(filled_, streams_look::freeman, progress);
   stress_ = power(progress);
   spread();
 }
 
 /// Whether a cell is one of the outermost, along which water runs that ought to leave the map.
 bool Streams::rim(int col, int row) const {
-  for (int dr = -look::rim; dr <= look::rim; ++dr)
-    for (int dc = -look::rim; dc <= look::rim; ++dc)
+  for (int dr = -streams_look::rim; dr <= streams_look::rim; ++dr)
+    for (int dc = -streams_look::rim; dc <= streams_look::rim; ++dc)
       if (!filled_.values.inside(col + dc, row + dr) || std::isnan(filled_.values.at(col + dc, row + dr)))
         return true;
   return false;
@@ -102,10 +102,10 @@ bool Streams::rim(int col, int row) const {
 raster::Grid<float> Streams::power(Progress& progress) {
   raster::Grid<float> slope = terrain::slope(filled_, progress);
   for (float& s : slope.values())
-    s = std::isnan(s) ? 0 : std::clamp(s, look::least_slope, look::greatest_slope);
+    s = std::isnan(s) ? 0 : std::clamp(s, streams_look::least_slope, streams_look::greatest_slope);
   raster::Grid<std::array<float, 1>> mean(slope.width(), slope.height());
   for (std::size_t i = 0; i < slope.size(); ++i) mean.data()[i] = {slope.data()[i]};
-  blur(mean, look::slope_mean);
+  blur(mean, streams_look::slope_mean);
   for (std::size_t i = 0; i < slope.size(); ++i) slope.data()[i] = mean.data()[i][0];
   raster::Grid<float> power = terrain::stream_power(area_, slope);
   const auto catchment = static_cast<float>(settings_.catchment),
@@ -130,7 +130,7 @@ raster::Grid<float> Streams::power(Progress& progress) {
 /// spread from the river's cells in the order of their distance.
 void Streams::flood(raster::Grid<float>& stress, raster::Grid<float>& level) const {
   const int width = stress.width();
-  const int steps = round_to(look::covered * settings_.banks / ground_.pixel());
+  const int steps = round_to(streams_look::covered * settings_.banks / ground_.pixel());
   const auto rise = static_cast<float>(settings_.flood);
   std::vector<std::ptrdiff_t> wet, next;
   for (std::ptrdiff_t i = 0; i < std::ssize(stress); ++i) {
@@ -182,8 +182,8 @@ void Streams::spread() {
       sum[3] = east / norm;
       sum[4] = north / norm;
     }
-  const int radius = std::max(1, round_to(settings_.banks / (look::means * ground_.pixel())));
-  for (int i = 0; i < look::means; ++i) blur(sums, radius);
+  const int radius = std::max(1, round_to(settings_.banks / (streams_look::means * ground_.pixel())));
+  for (int i = 0; i < streams_look::means; ++i) blur(sums, radius);
   // A bed one cell wide covers about this much at its middle.
   const float middle = 0.5f / static_cast<float>(2 * radius + 1);
   for (int row = 0; row < height; ++row)
@@ -293,7 +293,7 @@ std::vector<Streams::Course> Streams::courses(std::size_t count) const {
     // Where a bed is broad the most water may run in one cell far upstream: the mouth is down from there.
     for (std::ptrdiff_t next = mouth; next >= 0 && !taken[next]; next = receiver(next)) mouth = next;
     Course course = trace(mouth, taken);
-    if (course.line.size() >= look::least_course) out.push_back(std::move(course));
+    if (course.line.size() >= streams_look::least_course) out.push_back(std::move(course));
   }
   return out;
 }

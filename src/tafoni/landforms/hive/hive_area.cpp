@@ -6,11 +6,11 @@ namespace tafoni::landforms::impl {
 namespace {
 
 /// Chosen by eye.
-namespace look {
+namespace hive_area_look {
 // Squares tried along each side of the terrain, and how many heights to each side of a square's middle tell
 // its relief.
 constexpr int places = 16, within = 8;
-}  // namespace look
+}  // namespace hive_area_look
 
 }  // namespace
 
@@ -27,7 +27,7 @@ Box3d find_hive_area(const Ground& ground, double size, double depth) {
     middle = site.points.front();
   } else {
     double best = -1;
-    constexpr int places = look::places, within = look::within;
+    constexpr int places = hive_area_look::places, within = hive_area_look::within;
     for (int j = 0; j < places; ++j)
       for (int i = 0; i < places; ++i) {
         const double x = fit(area.lo.x + (i + 0.5) / places * (area.hi.x - area.lo.x), area.lo.x, area.hi.x),

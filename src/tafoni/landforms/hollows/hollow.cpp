@@ -19,7 +19,7 @@ using volume::ScalarGrid;
 enum class HollowStream : std::uint64_t { walls = 0x407 };
 
 /// Chosen by eye.
-namespace look {
+namespace hollow_look {
 // Spacing of the samples, in radii of a tunnel and in metres at least; the wavelength of walls, in radii.
 constexpr double spacing = 0.2, least_spacing = 0.05, wavelength = 1.6;
 // Rims are worn over so many samples, and so far at the region's border fades the hollow in; but over no more
@@ -29,7 +29,7 @@ constexpr double worn = 2, most_worn = 0.3;
 constexpr double route_step = 1;
 // Step of gradients, in samples.
 constexpr double gradient_step = 0.3;
-}  // namespace look
+}  // namespace hollow_look
 
 class HollowShape final : public RockShape {
  public:
@@ -41,7 +41,7 @@ class HollowShape final : public RockShape {
     const Interval r = grid_.range(box);
     return {-double{r.hi}, -double{r.lo}};
   }
-  double step() const override { return look::gradient_step * grid_.frame().spacing; }
+  double step() const override { return hollow_look::gradient_step * grid_.frame().spacing; }
 
   ScalarGrid grid_;
 };
@@ -166,11 +166,12 @@ double carved_volume(const ScalarGrid& grid, const field::NodePtr& before) {
 
 Hollow::Hollow(const Ground& ground, const HollowParams& params, double radius) : ground_(ground) {
   const Site& site = ground.site();
-  spacing_ = params.spacing > 0 ? params.spacing : std::max(look::spacing * radius, look::least_spacing);
+  spacing_ = params.spacing > 0 ? params.spacing
+                                : std::max(hollow_look::spacing * radius, hollow_look::least_spacing);
   texture_.geology = site.geology;
   texture_.relief = -params.relief;
   texture_.unevenness = params.roughness;
-  texture_.wavelength = look::wavelength * radius;
+  texture_.wavelength = hollow_look::wavelength * radius;
   texture_.amplitude = site.amplitude;
   texture_.origin = site.origin;
   texture_.seed = hash_combine(site.seed, HollowStream::walls);
@@ -194,7 +195,7 @@ void Hollow::tell_routes(Facts& facts) const {
     for (std::size_t i = 0; i < t.axis.size(); ++i) {
       const volume::AxisPoint& a = t.axis[i];
       if (i > 0) since += tafoni::length(a.position - t.axis[i - 1].position);
-      if (since < look::route_step && i + 1 < t.axis.size()) continue;
+      if (since < hollow_look::route_step && i + 1 < t.axis.size()) continue;
       since = 0;
       routes.push_back(a.position - Vec3d{0, 0, std::min(t.floor, a.radius)});
       ++count;
@@ -246,12 +247,13 @@ Result Hollow::finish(Progress& progress) const {
   }
   result.facts.volume("volume", carved_volume(grid, site.terrain));
   const auto shape = std::make_shared<HollowShape>(std::move(grid), texture_);
-  const auto control = control_of(site, look::worn * spacing_);
+  const auto control = control_of(site, hollow_look::worn * spacing_);
   result.reshaped = box;
-  result.reshape = [shape, control, worn = look::worn * spacing_, t = site.amplitude](field::NodePtr tree) {
+  result.reshape = [shape, control, worn = hollow_look::worn * spacing_,
+                    t = site.amplitude](field::NodePtr tree) {
     const auto limit = static_cast<float>(t);
     field::NodePtr cut = field::function(std::make_shared<WornRims>(
-        shape, field::as_function(tree, -limit, limit), std::min(worn, look::most_worn * t)));
+        shape, field::as_function(tree, -limit, limit), std::min(worn, hollow_look::most_worn * t)));
     if (control)
       cut = field::intersect({std::move(cut), field::function(std::make_shared<Fence>(control, t))});
     return field::subtract(std::move(tree), std::move(cut));

@@ -17,10 +17,10 @@ namespace {
 
 constexpr double nowhere = -1e30;
 
-enum class Stream : std::uint64_t { mouths = 1, side = 7 };
+enum class TunnelPlannerStream : std::uint64_t { mouths = 1, side = 7 };
 
 /// Chosen by eye; lengths are in radii of the tunnels where nothing else is said.
-namespace look {
+namespace tunnel_planner_look {
 // From point to point of a tunnel's axis.
 constexpr double step = 0.7;
 // Passes that take off an axis's smallest bends.
@@ -55,7 +55,7 @@ constexpr double bend_step = 2, bend_most = 60;
 // Attempts at a way; from the fourth on they bend metres farther aside each, from the sixth on all bend.
 constexpr std::uint64_t attempts = 10, as_needed = 3, all_bend = 4;
 constexpr double bend_more = 3;
-}  // namespace look
+}  // namespace tunnel_planner_look
 
 Vec3d aside(Vec3d ahead) {
   return {-ahead.y, ahead.x, 0};
@@ -63,7 +63,7 @@ Vec3d aside(Vec3d ahead) {
 
 /// Takes off the smallest bends: where a slope turns within its own width, its floor falls in steps.
 void smooth(std::vector<volume::AxisPoint>& axis) {
-  for (int pass = 0; pass < look::smoothing; ++pass) {
+  for (int pass = 0; pass < tunnel_planner_look::smoothing; ++pass) {
     volume::AxisPoint before = axis.front();
     for (std::size_t i = 1; i + 1 < axis.size(); ++i) {
       const volume::AxisPoint own = axis[i];
@@ -79,7 +79,7 @@ void smooth(std::vector<volume::AxisPoint>& axis) {
 volume::TunnelSettings tunnel_settings(const TunnelParams& params) {
   volume::TunnelSettings s;
   s.radius = params.radius, s.swelling = params.swelling, s.wander = params.wander, s.floor = params.floor;
-  s.step = look::step * params.radius;
+  s.step = tunnel_planner_look::step * params.radius;
   return s;
 }
 
@@ -93,13 +93,13 @@ TunnelPlanner::TunnelPlanner(const Ground& ground, const TunnelPlannerSettings& 
 /// Goes up from the depth, column by column, to the first air.
 void TunnelPlanner::look_for_roofs() {
   const Vec3d extent = s_.area.size();
-  const double step =
-      std::max(look::roof_pixel * s_.radius, std::max(extent.x, extent.y) / look::roofs_across);
+  const double step = std::max(tunnel_planner_look::roof_pixel * s_.radius,
+                               std::max(extent.x, extent.y) / tunnel_planner_look::roofs_across);
   const int nx = floor_to(extent.x / step) + 2, ny = floor_to(extent.y / step) + 2;
   roofs_.placement = {s_.area.lo.x - 0.5 * step, s_.area.hi.y + 0.5 * step, step, step};
   roofs_.values = raster::Grid<float>(nx, ny, static_cast<float>(nowhere));
   const double low = std::max(s_.lowest, s_.area.lo.z),
-               rise = std::max(look::least_rise, look::roof_rise * s_.radius);
+               rise = std::max(tunnel_planner_look::least_rise, tunnel_planner_look::roof_rise * s_.radius);
   const int most = floor_to((s_.area.hi.z - low) / rise) + 2;
   parallel_for(ny, [&](std::int64_t line_of) {
     const int row = static_cast<int>(line_of);
@@ -134,14 +134,14 @@ double TunnelPlanner::roof(double x, double y, double around) const {
 void TunnelPlanner::look_for_mouths(Progress& progress) {
   SurfaceSampling sampling;
   const Vec3d extent = s_.area.size();
-  sampling.spacing =
-      std::max(look::mouth_spacing * s_.radius, std::max(extent.x, extent.y) / look::mouths_across);
+  sampling.spacing = std::max(tunnel_planner_look::mouth_spacing * s_.radius,
+                              std::max(extent.x, extent.y) / tunnel_planner_look::mouths_across);
   sampling.box = s_.area;
   sampling.box.lo.z = std::max(sampling.box.lo.z, s_.lowest);
-  sampling.seed = hash_combine(s_.seed, Stream::mouths);
+  sampling.seed = hash_combine(s_.seed, TunnelPlannerStream::mouths);
   sampling.accept = [&](const SurfaceSample& at) {
-    return at.normal.z > look::steepest && at.normal.z < look::flattest &&
-           ground_.usable(at.position, look::border * s_.radius);
+    return at.normal.z > tunnel_planner_look::steepest && at.normal.z < tunnel_planner_look::flattest &&
+           ground_.usable(at.position, tunnel_planner_look::border * s_.radius);
   };
   std::vector<Mouth> found;
   for (const SurfaceSample& at : sample_surface(field_, sampling, progress)) {
@@ -152,7 +152,7 @@ void TunnelPlanner::look_for_mouths(Progress& progress) {
   // Hillsides before gentle slopes and cliffs; sampling has shuffled them.
   std::stable_sort(found.begin(), found.end(), [](const Mouth& a, const Mouth& b) {
     const auto merit = [](const Mouth& m) {
-      return std::abs(m.slope - look::hillside) < look::hillside_range;
+      return std::abs(m.slope - tunnel_planner_look::hillside) < tunnel_planner_look::hillside_range;
     };
     return merit(a) > merit(b);
   });
@@ -164,10 +164,11 @@ bool TunnelPlanner::good(const Mouth& m) const {
   const double r = s_.radius;
   const Vec3d axis = m.ground + Vec3d{0, 0, s_.floor * r};
   std::vector<Vec3d> air, rock;
-  for (double t = look::air_from; t <= look::air_to; t += look::air_step)
+  for (double t = tunnel_planner_look::air_from; t <= tunnel_planner_look::air_to;
+       t += tunnel_planner_look::air_step)
     for (double up : {0.0, 0.5})
-      air.push_back(axis - m.inward * (t * r) + Vec3d{0, 0, (up + look::air_rise * t) * r});
-  for (double t = look::rock_from; t <= look::rock_to; t += 1)
+      air.push_back(axis - m.inward * (t * r) + Vec3d{0, 0, (up + tunnel_planner_look::air_rise * t) * r});
+  for (double t = tunnel_planner_look::rock_from; t <= tunnel_planner_look::rock_to; t += 1)
     for (double side : {-1.0, 0.0, 1.0})
       for (double up : {-1.0, 0.0, 1.4})
         rock.push_back(axis + m.inward * (t * r) + aside(m.inward) * (side * r) + Vec3d{0, 0, up * r});
@@ -176,11 +177,13 @@ bool TunnelPlanner::good(const Mouth& m) const {
   field_.values(rock, solid);
   return std::all_of(free.begin(), free.end(), [](float v) { return v < 0; }) &&
          std::all_of(solid.begin(), solid.end(), [](float v) { return v > 0; }) &&
-         ground_.usable(m.ground + m.inward * (look::rock_to * r)) && m.ground.z > s_.lowest + r;
+         ground_.usable(m.ground + m.inward * (tunnel_planner_look::rock_to * r)) &&
+         m.ground.z > s_.lowest + r;
 }
 
 WayEnd TunnelPlanner::end_of(const Mouth& m) const {
-  return {m.ground - m.inward * (look::porch * s_.radius), m.inward, look::straight * s_.radius, true};
+  return {m.ground - m.inward * (tunnel_planner_look::porch * s_.radius), m.inward,
+          tunnel_planner_look::straight * s_.radius, true};
 }
 
 std::optional<volume::Tunnel> TunnelPlanner::attempt(const WayEnd& from, const WayEnd& to, std::uint64_t seed,
@@ -194,8 +197,8 @@ std::optional<volume::Tunnel> TunnelPlanner::attempt(const WayEnd& from, const W
   if (lengthen > 0) {
     // It bends to one side and then to the other.
     const Vec3d d = b1 - a1;
-    const Vec3d side =
-        aside(normalized(Vec3d{d.x, d.y, 0})) * (Random(seed, Stream::side).at(0) & 1 ? lengthen : -lengthen);
+    const Vec3d side = aside(normalized(Vec3d{d.x, d.y, 0})) *
+                       (Random(seed, TunnelPlannerStream::side).at(0) & 1 ? lengthen : -lengthen);
     stops.push_back(a1 + d * (1.0 / 3) + side);
     stops.push_back(a1 + d * (2.0 / 3) - side);
   }
@@ -217,11 +220,12 @@ std::optional<volume::Tunnel> TunnelPlanner::attempt(const WayEnd& from, const W
   made.axis.push_back({b, r});
   smooth(made.axis);
   const auto near_end = [&](Vec3d p, const WayEnd& end) {
-    return end.open && std::hypot(p.x - end.floor.x, p.y - end.floor.y) < look::roofless * end.straight;
+    return end.open &&
+           std::hypot(p.x - end.floor.x, p.y - end.floor.y) < tunnel_planner_look::roofless * end.straight;
   };
   const auto highest = [&](Vec3d p) {
     if (near_end(p, from) || near_end(p, to)) return 1e9;
-    return roof(p.x, p.y, look::reach * r) - s_.cover - look::reach * r;
+    return roof(p.x, p.y, tunnel_planner_look::reach * r) - s_.cover - tunnel_planner_look::reach * r;
   };
   if (!volume::level_axis(made.axis, s_.slope, highest)) return {};
   for (const volume::AxisPoint& p : made.axis) {
@@ -246,8 +250,8 @@ bool TunnelPlanner::crosses(const volume::Tunnel& way, const WayEnd& from, const
   const auto over = [&](const volume::AxisPoint& a, const volume::AxisPoint& b) {
     const Vec3d d = a.position - b.position;
     const double both = a.radius + b.radius, up = std::abs(d.z);
-    return std::hypot(d.x, d.y) < both + look::apart && up > look::level * s_.radius &&
-           up < both + look::rock_between;
+    return std::hypot(d.x, d.y) < both + tunnel_planner_look::apart &&
+           up > tunnel_planner_look::level * s_.radius && up < both + tunnel_planner_look::rock_between;
   };
   double along = 0;
   std::vector<double> place;
@@ -259,7 +263,7 @@ bool TunnelPlanner::crosses(const volume::Tunnel& way, const WayEnd& from, const
         std::any_of(dug_.begin(), dug_.end(), [&](const auto& b) { return over(a, b); }))
       return true;
     // Nor does a way cross itself.
-    for (std::size_t j = 0; j < i && along - place[j] > look::own_way * s_.radius; ++j)
+    for (std::size_t j = 0; j < i && along - place[j] > tunnel_planner_look::own_way * s_.radius; ++j)
       if (over(a, way.axis[j])) return true;
   }
   return false;
@@ -269,16 +273,19 @@ std::optional<volume::Tunnel> TunnelPlanner::way(const WayEnd& from, const WayEn
                                                  const std::function<bool(Vec3d)>& avoid) const {
   const Vec3d d = to.floor + to.ahead * to.straight - from.floor - from.ahead * from.straight;
   const double flat = std::hypot(d.x, d.y);
-  if (flat < look::least_way * s_.radius) return {};
+  if (flat < tunnel_planner_look::least_way * s_.radius) return {};
   // How far aside the bends must be for the way to be long enough, and then some.
   double needed = 0;
   const auto length_of = [&](double w) { return 2 * std::hypot(flat / 3, w) + std::hypot(flat / 3, 2 * w); };
-  while (length_of(needed) * s_.slope < look::longer * std::abs(d.z) && needed < flat + look::bend_most)
-    needed += look::bend_step;
-  for (std::uint64_t i = 0; i < look::attempts; ++i) {
-    const double more = needed + (i < look::as_needed ? 0 : look::bend_more * static_cast<double>(i));
-    if (auto made =
-            attempt(from, to, hash_combine(seed, i), needed > 0 || i > look::all_bend ? more : 0, avoid))
+  while (length_of(needed) * s_.slope < tunnel_planner_look::longer * std::abs(d.z) &&
+         needed < flat + tunnel_planner_look::bend_most)
+    needed += tunnel_planner_look::bend_step;
+  for (std::uint64_t i = 0; i < tunnel_planner_look::attempts; ++i) {
+    const double more =
+        needed +
+        (i < tunnel_planner_look::as_needed ? 0 : tunnel_planner_look::bend_more * static_cast<double>(i));
+    if (auto made = attempt(from, to, hash_combine(seed, i),
+                            needed > 0 || i > tunnel_planner_look::all_bend ? more : 0, avoid))
       return made;
   }
   return {};

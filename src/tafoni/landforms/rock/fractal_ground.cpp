@@ -20,7 +20,7 @@ namespace {
 using volume::ScalarGrid;
 
 /// Chosen by eye.
-namespace look {
+namespace fractal_ground_look {
 // Samples across the site's longer side if no spacing is given, but between a quarter of a pixel and two.
 constexpr double samples_across = 400, least_pixels = 0.25, most_pixels = 2;
 // The first level's cells, in shorter sides of the site; the width over which the volume takes over, in
@@ -34,7 +34,7 @@ constexpr double pin_cells = 0.5;
 // Step of gradients, in samples: trilinear values have gradients that jump at each cell's face, and faces
 // would show in the light.
 constexpr double gradient_step = 0.5;
-}  // namespace look
+}  // namespace fractal_ground_look
 
 class VolumeLeaf final : public field::Function {
  public:
@@ -45,7 +45,7 @@ class VolumeLeaf final : public field::Function {
     grid_.values(points, out);
     for (float& v : out) v = std::clamp(v, -most_, most_);
   }
-  double step() const override { return look::gradient_step * grid_.frame().spacing; }
+  double step() const override { return fractal_ground_look::gradient_step * grid_.frame().spacing; }
   Interval range(const Box3d& box) const override {
     const Interval r = grid_.range(box);
     return {std::clamp(r.lo, -most_, most_), std::clamp(r.hi, -most_, most_)};
@@ -69,11 +69,12 @@ class LatticeFiller {
       hi_ = {std::min(hi_.x, ground.box().hi.x), std::min(hi_.y, ground.box().hi.y)};
     }
     const double wide = hi_.x - lo_.x, deep = hi_.y - lo_.y;
-    const double wanted =
-        s.spacing > 0 ? s.spacing
-                      : std::clamp(std::max(wide, deep) / look::samples_across,
-                                   look::least_pixels * ground.pixel(), look::most_pixels * ground.pixel());
-    cell_ = s.coarse > 0 ? s.coarse : look::coarse * std::min(wide, deep);
+    const double wanted = s.spacing > 0
+                              ? s.spacing
+                              : std::clamp(std::max(wide, deep) / fractal_ground_look::samples_across,
+                                           fractal_ground_look::least_pixels * ground.pixel(),
+                                           fractal_ground_look::most_pixels * ground.pixel());
+    cell_ = s.coarse > 0 ? s.coarse : fractal_ground_look::coarse * std::min(wide, deep);
     volume_.levels = std::clamp(ceil_to(std::log2(cell_ / wanted) - 1e-6), 1, 12);
     volume_.spacing = std::ldexp(cell_, -volume_.levels);
     // At level l new samples lie a half of the level's cells from old ones.
@@ -121,7 +122,8 @@ class LatticeFiller {
     limit_ = ground_.site().amplitude;
     const auto& values = ground_.site().heights->values.values();
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
-    const double around = look::overshoot * most + limit_ + look::more_cells * cell_;
+    const double around =
+        fractal_ground_look::overshoot * most + limit_ + fractal_ground_look::more_cells * cell_;
     bottom_ = *low - around;
     const double top = *high + around;
     const auto cells = [&](double extent) { return std::max(1, ceil_to(extent / cell_ - 1e-6)); };
@@ -163,7 +165,8 @@ class LatticeFiller {
     for (volume::Pin pin : s_.pins) {
       // The first level of which several samples feel it, or the last that may have pins.
       pin.level = 0;
-      while (pin.level + 1 < volume_.levels && std::ldexp(cell_, -pin.level) > look::pin_cells * pin.radius)
+      while (pin.level + 1 < volume_.levels &&
+             std::ldexp(cell_, -pin.level) > fractal_ground_look::pin_cells * pin.radius)
         ++pin.level;
       // Over a terrain that stays, a pin says what is there in all.
       if (s_.detail) pin.value -= height(pin.position.x, pin.position.y) - pin.position.z;
@@ -231,7 +234,7 @@ FractalGround fractal_ground(const Ground& ground, const FractalGroundSettings& 
       .number("megabytes", static_cast<double>(grid.bytes()) / 1e6)
       .count("primitives", 0);
   out.volume = volume_leaf(std::move(grid), site.amplitude);
-  const double fade = s.fade > 0 ? s.fade : look::fade * filler.cell();
+  const double fade = s.fade > 0 ? s.fade : fractal_ground_look::fade * filler.cell();
   const field::FunctionPtr control = control_of(site, fade);
   // The volume has its own rock and air straight up and down as far as the region goes.
   Box3d all = Box3d::everything();

@@ -16,10 +16,10 @@ namespace {
 
 using std::numbers::pi;
 
-enum class Stream : std::uint64_t { direction = 1 };
+enum class JointsStream : std::uint64_t { direction = 1 };
 
 /// Chosen by eye; lengths are in spacings of the joints.
-namespace look {
+namespace joints_look {
 // Radians between the two sets: conjugate joints meet at somewhat less than a right angle.
 constexpr double between_sets = 1.3;
 // Joints wander from their planes by this, in waves a spacing.
@@ -28,35 +28,35 @@ constexpr double wander = 0.35, wander_scale = 0.7;
 constexpr double nearest = 0.1, farthest = 0.9, weakest = 0.25, strongest = 1.0;
 // How the noise along a joint makes it tight in one stretch and open in the next: gain and loss.
 constexpr double open_gain = 2.5, open_loss = 0.6;
-}  // namespace look
+}  // namespace joints_look
 
 }  // namespace
 
 Joints::Joints(double spacing, double width, std::uint64_t seed) : spacing_(spacing), width_(width) {
-  Random random(seed, Stream::direction);
+  Random random(seed, JointsStream::direction);
   const double first = random.uniform(0, pi);
   for (std::size_t i = 0; i < sets_.size(); ++i) {
-    const double angle = first + look::between_sets * static_cast<double>(i);
+    const double angle = first + joints_look::between_sets * static_cast<double>(i);
     const Vec3d along{std::cos(angle), std::sin(angle), 0};
     sets_[i] = {{-along.y, along.x, 0}, along, hash_combine(seed, i)};
   }
 }
 
 double Joints::weakness(const Set& set, Vec3d p) const {
-  const double wander = fbm(p * (look::wander_scale / spacing_), 2, set.seed) - 0.5;
-  const double u = dot(p, set.across) / spacing_ + look::wander * wander;
+  const double wander = fbm(p * (joints_look::wander_scale / spacing_), 2, set.seed) - 0.5;
+  const double u = dot(p, set.across) / spacing_ + joints_look::wander * wander;
   const auto cell = floor_to<std::int64_t>(u);
   double weakest = 0;
   for (std::int64_t c = cell - 1; c <= cell + 1; ++c) {
     Random random(set.seed, static_cast<std::uint64_t>(c));
-    const double at = static_cast<double>(c) + random.uniform(look::nearest, look::farthest);
-    const double strength = random.uniform(look::weakest, look::strongest);
+    const double at = static_cast<double>(c) + random.uniform(joints_look::nearest, joints_look::farthest);
+    const double strength = random.uniform(joints_look::weakest, joints_look::strongest);
     const double d = std::abs(u - at) * spacing_ / width_;
     if (d < 1) weakest = std::max(weakest, strength * (1 - d * d) * (1 - d * d));
   }
   // A joint is tight in one stretch and open in the next.
   const double open = fbm(p * (1.0 / spacing_) + Vec3d{17, 5, 3}, 2, set.seed + 1);
-  return weakest * std::clamp(look::open_gain * open - look::open_loss, 0.0, 1.0);
+  return weakest * std::clamp(joints_look::open_gain * open - joints_look::open_loss, 0.0, 1.0);
 }
 
 double Joints::weakness(Vec3d p) const {

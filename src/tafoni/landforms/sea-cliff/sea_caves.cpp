@@ -17,10 +17,10 @@ namespace {
 constexpr double half_turn = std::numbers::pi;
 
 /// Walks have the numbers from 1 on.
-enum class Stream : std::uint64_t { first_walk = 1, places = 0xcafe };
+enum class SeaCavesStream : std::uint64_t { first_walk = 1, places = 0xcafe };
 
 /// Chosen by eye; lengths are metres where nothing else is said.
-namespace look {
+namespace sea_caves_look {
 // Mouths are no nearer than the spacing times a random share from this to 1, so that they stand in no row.
 constexpr double least_apart = 0.6;
 // A walk follows the joint, bent inward by this share, where their cosine is above that limit: a joint that
@@ -50,7 +50,7 @@ constexpr double turn = 0.22, ahead = 2, chance = 0.1, straightness = 0.02, hard
 constexpr double taper = 0.62, arch_taper = 0.5, waver = 0.12, waver_step = 1.3;
 // The fissure above: how high, in radii of the passage, and its width.
 constexpr double fissure_low = 0.5, fissure_high = 1.2, fissure_width = 0.62;
-}  // namespace look
+}  // namespace sea_caves_look
 
 Vec3d turn_by(Vec3d d, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
@@ -70,17 +70,18 @@ class Walk {
     const Vec3d inward = -horizontal(to_double(attack.at.normal));
     const Vec3d joint = joints.along(inward);
     // Along the joint unless it runs along the cliff.
-    heading_ =
-        dot(joint, inward) > look::joint_cosine ? horizontal(joint + look::joint_inward * inward) : inward;
-    const double strength = std::min(1.0, look::effect_gain * attack.effect);
-    limit_ = s.cave_length * (look::least_length + 0.65 * random_.uniform()) *
-             (look::weak_length + 0.6 * strength);
-    mouth_ = s.cave_radius * (look::weak_mouth + look::strong_mouth * strength) *
-             (look::least_mouth + look::mouth_chance * random_.uniform());
+    heading_ = dot(joint, inward) > sea_caves_look::joint_cosine
+                   ? horizontal(joint + sea_caves_look::joint_inward * inward)
+                   : inward;
+    const double strength = std::min(1.0, sea_caves_look::effect_gain * attack.effect);
+    limit_ = s.cave_length * (sea_caves_look::least_length + 0.65 * random_.uniform()) *
+             (sea_caves_look::weak_length + 0.6 * strength);
+    mouth_ = s.cave_radius * (sea_caves_look::weak_mouth + sea_caves_look::strong_mouth * strength) *
+             (sea_caves_look::least_mouth + sea_caves_look::mouth_chance * random_.uniform());
     at_ = attack.at.position;
-    at_.z = std::max(at_.z, s.sea_z + look::mouth_above * mouth_);
-    at_ += heading_ * (-look::mouth_before * mouth_);
-    step_ = look::step * s.cave_radius;
+    at_.z = std::max(at_.z, s.sea_z + sea_caves_look::mouth_above * mouth_);
+    at_ += heading_ * (-sea_caves_look::mouth_before * mouth_);
+    step_ = sea_caves_look::step * s.cave_radius;
   }
 
   /// Appends the tubes to `caves` unless nothing came of it.
@@ -92,12 +93,12 @@ class Walk {
     bool was_inside = false, was_roofed = false, arch = false;
     while (length_of < limit_) {
       if (far_side <= 0) steer();
-      const Vec3d next = at_ + heading_ * step_ + Vec3d{0, 0, look::rise * step_};
+      const Vec3d next = at_ + heading_ * step_ + Vec3d{0, 0, sea_caves_look::rise * step_};
       if (!ground_.usable(next)) break;
       const bool inside = field_.value(next) > 0, under = roofed(next);
       arch = was_inside && !inside;
       // Where the face leans back the cave begins as a cleft; once under a roof it stays there.
-      if (!arch && !under && (was_roofed || length_of > look::cleft * mouth_)) break;
+      if (!arch && !under && (was_roofed || length_of > sea_caves_look::cleft * mouth_)) break;
       at_ = next;
       length_of += step_;
       path.push_back(at_);
@@ -116,9 +117,9 @@ class Walk {
   /// Distance to open air on the other side of a thin headland; 0 when the rock goes on.
   double through() {
     for (int turns : {0, 1, -1, 2, -2}) {
-      const Vec3d d = turn_by(heading_, turns * look::headland_turn);
+      const Vec3d d = turn_by(heading_, turns * sea_caves_look::headland_turn);
       bool rock = false;
-      for (double t = mouth_; t < look::headland * s_.cave_length; t += 0.5 * step_) {
+      for (double t = mouth_; t < sea_caves_look::headland * s_.cave_length; t += 0.5 * step_) {
         const bool solid = field_.value(at_ + d * t) > 0;
         if (rock && !solid) {
           heading_ = d;
@@ -139,39 +140,43 @@ class Walk {
     Vec3d best = heading_;
     double least = 10;
     for (int i = -2; i <= 2; ++i) {
-      const Vec3d d = turn_by(heading_, look::turn * i);
-      const double rho = resistance(at_ + d * (look::ahead * step_)) + look::chance * random_.uniform() +
-                         look::straightness * std::abs(i);
+      const Vec3d d = turn_by(heading_, sea_caves_look::turn * i);
+      const double rho = resistance(at_ + d * (sea_caves_look::ahead * step_)) +
+                         sea_caves_look::chance * random_.uniform() +
+                         sea_caves_look::straightness * std::abs(i);
       if (rho >= least) continue;
       least = rho;
       best = d;
     }
     heading_ = best;
     // Hard rock wears the waves out sooner.
-    limit_ -= step_ * std::max(0.0, least - look::hard);
+    limit_ -= step_ * std::max(0.0, least - sea_caves_look::hard);
   }
 
   /// Whether the rock above bears, so that no slit opens in the clifftop.
   bool roofed(Vec3d p) const {
-    return ground_.height(p.x, p.y) > p.z + look::roof * mouth_ + look::roof_more;
+    return ground_.height(p.x, p.y) > p.z + sea_caves_look::roof * mouth_ + sea_caves_look::roof_more;
   }
 
   /// A lower tube and, narrower, the fissure above it, both dying away inward.
   void emit(const std::vector<Vec3d>& path, bool arch, SeaCaves& caves) {
     const auto n = static_cast<double>(path.size() - 1);
-    const double fissure = random_.uniform(look::fissure_low, look::fissure_high),
+    const double fissure = random_.uniform(sea_caves_look::fissure_low, sea_caves_look::fissure_high),
                  phase = random_.uniform(0, 2 * half_turn);
     const auto radius = [&](std::size_t i) {
       const double t = static_cast<double>(i) / n;
-      const double taper = arch ? 1 - look::arch_taper * std::sin(half_turn * t) : 1 - look::taper * t;
-      return mouth_ * taper * (1 + look::waver * std::sin(look::waver_step * static_cast<double>(i) + phase));
+      const double taper =
+          arch ? 1 - sea_caves_look::arch_taper * std::sin(half_turn * t) : 1 - sea_caves_look::taper * t;
+      return mouth_ * taper *
+             (1 +
+              sea_caves_look::waver * std::sin(sea_caves_look::waver_step * static_cast<double>(i) + phase));
     };
     for (std::size_t i = 0; i + 1 < path.size(); ++i) {
       const double r = 0.5 * (radius(i) + radius(i + 1));
       caves.tubes.push_back({path[i], path[i + 1], r});
       const double up0 = fissure * radius(i), up1 = fissure * radius(i + 1);
       caves.tubes.push_back(
-          {path[i] + Vec3d{0, 0, up0}, path[i + 1] + Vec3d{0, 0, up1}, look::fissure_width * r});
+          {path[i] + Vec3d{0, 0, up0}, path[i + 1] + Vec3d{0, 0, up1}, sea_caves_look::fissure_width * r});
     }
   }
 
@@ -195,7 +200,7 @@ SeaCaves sea_caves(const field::CompiledField& field, const Ground& ground, cons
   Random spread(settings.seed, SeaCavesStream::places);
   for (const Attack& attack : attacks) {
     progress.check();
-    const double apart = settings.cave_spacing * spread.uniform(look::least_apart, 1.0);
+    const double apart = settings.cave_spacing * spread.uniform(sea_caves_look::least_apart, 1.0);
     if (taken.any_near(attack.at.position, apart)) continue;
     taken.insert(attack.at.position);
     Walk(field, ground, joints, settings, attack, taken.size()).run(caves);

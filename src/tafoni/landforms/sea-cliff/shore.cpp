@@ -16,14 +16,14 @@ namespace tafoni::landforms::impl {
 namespace {
 
 /// Chosen by eye.
-namespace look {
+namespace shore_look {
 // The best accessibility within this share of its radius counts, so that the foot of a straight cliff is no
 // sheltered nook; in pixels so many at most, for the work grows with their square.
 constexpr double lee = 0.25;
 constexpr int lee_pixels = 6;
 // The share of the reach from which the sea's effect falls off.
 constexpr double full_reach = 0.6;
-}  // namespace look
+}  // namespace shore_look
 
 /// The value of the pixel nearest to a place.
 float nearest(const raster::Raster& raster, Vec3d p) {
@@ -43,8 +43,8 @@ raster::Raster Shore::exposure(Progress& progress) const {
   raster::Raster open;
   open.placement = heights.placement;
   if (s_.accessibility <= 0) return open;
-  const int reach =
-      std::clamp(round_to(look::lee * s_.accessibility_radius / ground_.pixel()), 0, look::lee_pixels);
+  const int reach = std::clamp(round_to(shore_look::lee * s_.accessibility_radius / ground_.pixel()), 0,
+                               shore_look::lee_pixels);
   const auto wanted = strip(reach + 2);
   const auto grid = terrain::accessibility(heights, {s_.accessibility_radius, &wanted}, progress);
   open.values = raster::Grid<float>(grid.width(), grid.height());
@@ -96,9 +96,9 @@ double Shore::accessibility(Vec3d p) const {
 }
 
 double Shore::nearness(Vec3d p) const {
-  return water_.values.empty()
-             ? 1
-             : 1 - smoothstep(look::full_reach * s_.reach, s_.reach, double{std::abs(nearest(water_, p))});
+  return water_.values.empty() ? 1
+                               : 1 - smoothstep(shore_look::full_reach * s_.reach, s_.reach,
+                                                double{std::abs(nearest(water_, p))});
 }
 
 bool Shore::may_reach(Vec3d p, double around) const {

@@ -55,7 +55,8 @@ struct LayerKind {
   std::string listed_as = {};
 };
 
-/// Every kind, sorted by name; layers/NAME.cpp defines `const LayerKind\& declaration()` in its namespace `layer_NAME`.
+/// Every kind, sorted by name; layers/NAME.cpp defines `const LayerKind\& declaration()` in its namespace
+/// `layer_NAME`.
 std::span<const LayerKind* const> all_layers();
 /// The types of layers that all kinds have, in one list.
 std::span<const LayerType* const> all_layer_types();

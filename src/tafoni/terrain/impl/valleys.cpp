@@ -13,7 +13,7 @@ constexpr double pi = std::numbers::pi;
 enum class ValleysStream : std::uint64_t { course = 31, widths = 32, sides = 33 };
 
 /// Chosen by eye, so that rivers look like rivers and side valleys leave room for ridges.
-namespace look {
+namespace valleys_look {
 constexpr double margin = 0.12;      // of the map's lesser side: how far rivers are followed beyond its edge
 constexpr double patience = 0.4;     // of a wavelength: how long a river keeps straying to one side
 constexpr double unevenness = 0.35;  // share by which meanders differ in length
@@ -26,7 +26,7 @@ constexpr double cramped = 1.5;      // … and those shorter than this many tim
 constexpr double fall_share = 0.7;   // share of the bed's rise that falls make
 constexpr double fall_run = 0.25;    // share of the way from fall to fall that a fall takes
 constexpr double mouth_share = 0.7;  // a side valley's greatest width, as a share of its river's
-}  // namespace look
+}  // namespace valleys_look
 
 Vec2d heading_vector(double heading) {
   return {std::cos(heading), std::sin(heading)};
@@ -41,7 +41,7 @@ double distance(Vec2d a, Vec2d b) {
 Valleys::Valleys(Vec2d extent, double step, std::uint64_t seed)
     : extent_(extent),
       step_(step),
-      margin_(look::margin * std::min(extent.x, extent.y)),
+      margin_(valleys_look::margin * std::min(extent.x, extent.y)),
       cell_size_(std::max(10 * step, 0.02 * std::min(extent.x, extent.y))),
       seed_(seed) {}
 
@@ -54,14 +54,14 @@ River Valleys::walk(RiverPoint from, double heading, double length, const Windin
   River river;
   const double phase = random.uniform(0, 2 * pi);
   double stray = 0, drift = 0, turn = 0;
-  const double patience = look::patience * winding.wavelength;
+  const double patience = valleys_look::patience * winding.wavelength;
   for (double s = 0; s < length; s += step_) {
     from.along = s;
     river.push_back(from);
     // A bounded random walk of the direction, and meanders of uneven length.
     drift += (random.uniform(-1, 1) * std::sqrt(step_ / patience) - drift * step_ / patience);
     stray += (winding.wander * drift - stray) * std::min(1.0, step_ / patience);
-    turn += 2 * pi * step_ / winding.wavelength * (1 + look::unevenness * drift);
+    turn += 2 * pi * step_ / winding.wavelength * (1 + valleys_look::unevenness * drift);
     const double way = heading + stray + winding.swing * std::sin(turn + phase);
     from.position = from.position + heading_vector(way) * step_;
   }
@@ -91,8 +91,8 @@ void Valleys::add_main(double middle, double bed, double gradient, double half_w
     p.position = p.position + shift;
     p.bed = bed + gradient * p.along;
     p.half_width =
-        half_width *
-        (1 + look::swelling * std::sin(phase + look::swell_rate * p.along / winding.wavelength * pi));
+        half_width * (1 + valleys_look::swelling *
+                              std::sin(phase + valleys_look::swell_rate * p.along / winding.wavelength * pi));
   }
   rivers_.push_back(std::move(river));
   occupy(rivers_.size() - 1);
@@ -137,13 +137,15 @@ void shape_side(River& side, const SideValleys& sides, const RiverPoint& mouth, 
     double rise = std::pow(t, sides.steepening);
     if (sides.falls > 0) {
       const double turns = rise * sides.falls + start, step = std::floor(turns);
-      const double fall = smoothstep(0.0, look::fall_run, turns - step - (1 - look::fall_run));
+      const double fall =
+          smoothstep(0.0, valleys_look::fall_run, turns - step - (1 - valleys_look::fall_run));
       const double stepped = (step + fall - start) / sides.falls;
       // Mouth and head are left as they are.
-      rise += look::fall_share * smoothstep(0.0, 0.25, t) * smoothstep(0.0, 0.25, 1 - t) * (stepped - rise);
+      rise += valleys_look::fall_share * smoothstep(0.0, 0.25, t) * smoothstep(0.0, 0.25, 1 - t) *
+              (stepped - rise);
     }
     p.bed = mouth.bed + std::max(0.0, rise) * std::max(0.0, sides.head - mouth.bed);
-    const double least = std::min(sides.half_width[0], look::mouth_share * mouth.half_width);
+    const double least = std::min(sides.half_width[0], valleys_look::mouth_share * mouth.half_width);
     p.half_width = least + (std::min(sides.half_width[1], least) - least) * std::sqrt(t);
   }
 }
@@ -152,7 +154,7 @@ River Valleys::side_valley(const SideValleys& sides, std::size_t parent, int i, 
                            Random& random) const {
   const River& river = rivers_[parent];
   const double at = (i + random.uniform(0.1, 0.9)) / wanted * static_cast<double>(river.size() - 1);
-  const double angle = random.uniform(look::least_angle, look::greatest_angle),
+  const double angle = random.uniform(valleys_look::least_angle, valleys_look::greatest_angle),
                length = random.uniform(sides.length[0], sides.length[1]);
   const std::uint64_t own = random.next();
   if (river.size() < 4) return {};
@@ -167,7 +169,8 @@ River Valleys::side_valley(const SideValleys& sides, std::size_t parent, int i, 
     ++n;
   side.resize(n);
   const double reached = side.empty() ? 0 : side.back().along;
-  if (reached < look::stunted * sides.length[0] || reached < look::cramped * sides.apart) return {};
+  if (reached < valleys_look::stunted * sides.length[0] || reached < valleys_look::cramped * sides.apart)
+    return {};
   shape_side(side, sides, mouth, own);
   return side;
 }
@@ -179,7 +182,8 @@ void Valleys::add_sides(const SideValleys& sides, int generation) {
   Random random(seed_, key);
   for (std::size_t parent = 0; parent < parents; ++parent) {
     const double whole = rivers_[parent].back().along;
-    const int wanted = static_cast<int>(std::min(look::most_sides, std::round(sides.per_km * whole / 1000)));
+    const int wanted =
+        static_cast<int>(std::min(valleys_look::most_sides, std::round(sides.per_km * whole / 1000)));
     const double hand = random.uniform() < 0.5 ? 1 : -1;
     for (int i = 0; i < wanted; ++i) {
       River side = side_valley(sides, parent, i, wanted, hand, random);
