@@ -19,7 +19,8 @@ struct Command {
   std::function<int(Console&)> (*setup)(Args&) = nullptr;
 };
 
-/// Every subcommand, sorted by name; commands/NAME.cpp defines `const Command& command_NAME()`.
+/// Every subcommand, sorted by name; commands/NAME.cpp defines `const Command& declaration()` in its
+/// namespace `command_NAME`.
 std::span<const Command* const> all_commands();
 
 }  // namespace tafoni::cli

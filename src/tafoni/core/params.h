@@ -27,7 +27,7 @@ enum class ValueKind { boolean, integer, real, text, choice, numbers, rows };
 struct ParamInfo {
   std::string name;
   std::string doc;   ///< one sentence, no full stop
-  std::string unit;  ///< "m", "rad", "" …
+  std::string unit;  ///< "m", "deg", "" …
   ValueKind kind = ValueKind::real;
   Value init;
   double min = 0, max = 0;           ///< allowed range of integer, real and each of numbers

@@ -24,7 +24,8 @@ struct BrickBox {
   Vec3i lo{0, 0, 0}, hi{chunk_bricks - 1, chunk_bricks - 1, chunk_bricks - 1};
 };
 
-/// The samples of one chunk's cells, valid wherever an active brick of 8^3 cells needs them.
+/// The samples of one chunk's cells, valid wherever an active brick of 8^3 cells needs them. Neighbours'
+/// samples on a shared face are equal bit for bit.
 struct ChunkSamples {
   static constexpr int nx = 72, ny = 65, nz = 65;  ///< x is padded; 65 samples a side are used
 

@@ -23,7 +23,7 @@ struct GeologyType {
 /// "no children", "1 child", "2 or 3 children".
 std::string children_text(const GeologyType& type);
 
-/// Every kind, sorted by name; kinds/NAME.cpp defines `const GeologyType\& declaration()` in its namespace
+/// Every kind, sorted by name; kinds/NAME.cpp defines `const GeologyType& declaration()` in its namespace
 /// `geology_NAME`.
 std::span<const GeologyType* const> all_geologies();
 /// Throws Error{usage} naming the nearest known one.

@@ -42,7 +42,7 @@ struct SolidType {
 };
 
 /// Every solid, sorted by name; the table is written by CMake from the folder's files: solids/NAME.cpp
-/// defines `const SolidType\& declaration()` in its namespace `solid_NAME`.
+/// defines `const SolidType& declaration()` in its namespace `solid_NAME`.
 std::span<const SolidType* const> all_solids();
 /// Throws Error{usage} naming the nearest known one.
 const SolidType& find_solid(std::string_view name);

@@ -45,7 +45,7 @@ struct FormatType {
 };
 
 /// Every format, sorted by name; the table is written by CMake from the folder's files: formats/NAME.cpp
-/// defines `const FormatType\& declaration()` in its namespace `format_NAME`.
+/// defines `const FormatType& declaration()` in its namespace `format_NAME`.
 std::span<const FormatType* const> all_formats();
 /// Throws Error{usage} naming the nearest known one.
 const FormatType& find_format(std::string_view name);

@@ -53,7 +53,7 @@ struct LandformType {
 };
 
 /// Every landform, sorted by name; the table is written by CMake from the folders: NAME/NAME.cpp defines
-/// `const LandformType\& declaration()` in its namespace `landform_NAME` (with '-' as '_').
+/// `const LandformType& declaration()` in its namespace `landform_NAME` (with '-' as '_').
 std::span<const LandformType* const> all_landforms();
 /// Throws Error{usage} naming the nearest known one.
 const LandformType& find_landform(std::string_view name);

@@ -41,7 +41,7 @@ struct GeneratorType {
   raster::Raster (*generate)(const Values& values, std::uint64_t seed, Progress& progress) = nullptr;
 };
 
-/// Every generator, sorted by name; generators/NAME.cpp defines `const GeneratorType\& declaration()` in its
+/// Every generator, sorted by name; generators/NAME.cpp defines `const GeneratorType& declaration()` in its
 /// namespace `generator_NAME`.
 std::span<const GeneratorType* const> all_generators();
 /// Throws Error{usage} naming the nearest known one.

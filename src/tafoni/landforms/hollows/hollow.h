@@ -37,9 +37,9 @@ class Hollow {
   /// Metres between the samples of the volume. Chambers could do with fewer.
   double spacing() const { return spacing_; }
 
-  /// Reshapes the tree to min(tree, distance to the walls), but where the site may not be changed. The facts
-  /// tell the tunnels' length, the volume carved and where to walk: `routes`, places along the floor of every
-  /// tunnel, one tunnel after another, `route_points` of them each.
+  /// Reshapes the tree to the smooth minimum of itself and the distance to the walls, but where the site may
+  /// not be changed. The facts tell the tunnels' length, the volume carved and where to walk: `routes`,
+  /// places along the floor of every tunnel, one tunnel after another, `route_points` of them each.
   Result finish(Progress& progress) const;
 
  private:

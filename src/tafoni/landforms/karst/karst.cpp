@@ -1,6 +1,6 @@
-// Caves that water opens through rock. Water enters where entrances.h says, percolation.h leads it down
-// through the softest rock, passages.h makes passages and rooms of its ways and carves them. Here are the
-// parameters of all four and how the steps follow each other.
+// Caves that water opens through rock. Water enters where entrances.cpp says, percolation.cpp leads it down
+// through the softest rock, passages.cpp makes passages and rooms of its ways, and carving.cpp carves them
+// (declared in passages.h). Here are the parameters of all four and how the steps follow each other.
 
 #include <algorithm>
 #include <cmath>

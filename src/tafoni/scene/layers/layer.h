@@ -55,7 +55,7 @@ struct LayerKind {
   std::string listed_as = {};
 };
 
-/// Every kind, sorted by name; layers/NAME.cpp defines `const LayerKind\& declaration()` in its namespace
+/// Every kind, sorted by name; layers/NAME.cpp defines `const LayerKind& declaration()` in its namespace
 /// `layer_NAME`.
 std::span<const LayerKind* const> all_layers();
 /// The types of layers that all kinds have, in one list.

@@ -46,7 +46,7 @@ struct BrushType {
   std::vector<ParamInfo> (*more)(const Values& values) = nullptr;
 };
 
-/// Every brush, sorted by name; brushes/NAME.cpp defines `const BrushType\& declaration()` in its namespace
+/// Every brush, sorted by name; brushes/NAME.cpp defines `const BrushType& declaration()` in its namespace
 /// `brush_NAME`.
 std::span<const BrushType* const> all_brushes();
 /// Throws Error{usage} naming the nearest known one.
