@@ -4,18 +4,19 @@
 
 # Of which modules the Release build optimises less than -O3. Results do not depend on it: floating point is
 # neither reordered nor fused.
-set(level_of_core -O2)
-set(level_of_terrain -O2)
-set(level_of_geology -O2)
-set(level_of_grammar -O2)
-set(level_of_landforms -O2)
+set(level_of_core -O1)
+set(level_of_terrain -O1)
+set(level_of_geology -O1)
+set(level_of_grammar -O1)
+set(level_of_landforms -O1)
 set(level_of_io -O1)
-set(level_of_runtime -O2)
+set(level_of_mesh -O2)
 set(level_of_render -O2)
+set(level_of_runtime -O1)
 set(level_of_scene -O1)
 
 # tafoni_build_together(TARGET [LEVEL]): its sources by about SIZE at a time, optimised to LEVEL.
-set(sources_together 30)
+set(sources_together 70)
 function(tafoni_build_together target)
   if(ARGC GREATER 1 AND CMAKE_BUILD_TYPE STREQUAL "Release")
     target_compile_options(${target} PRIVATE ${ARGV1})
