@@ -16,7 +16,7 @@ set(level_of_runtime -O1)
 set(level_of_scene -O1)
 
 # tafoni_build_together(TARGET [LEVEL]): its sources by about SIZE at a time, optimised to LEVEL.
-set(sources_together 70)
+set(sources_together 30)
 function(tafoni_build_together target)
   if(ARGC GREATER 1 AND CMAKE_BUILD_TYPE STREQUAL "Release")
     target_compile_options(${target} PRIVATE ${ARGV1})
