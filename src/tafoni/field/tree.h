@@ -68,7 +68,7 @@ class CloudBuilder {
   CloudBuilder& operator=(CloudBuilder&&) noexcept;
 
   /// `anchor` in local metres; `shape` as the kind's record says (primitive.h), e.g. {radius} for a point,
-  /// {dx, dy, dz, radius} for a segment. `energy` in metres; negative carves.
+  /// {radius, dx, dy, dz} for a segment. `energy` in metres; negative carves.
   /// Throws Error{input} for what is not finite, not positive where it must be, or beyond 131 km.
   void add(Vec3d anchor, float energy, std::span<const float> shape);
   std::size_t size() const;

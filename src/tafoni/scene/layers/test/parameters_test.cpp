@@ -150,18 +150,19 @@ class LayerParameters : public ::testing::Test {
 };
 
 TEST_F(LayerParameters, DoSomething) {
-  const std::map<std::string, Values> files = {{"primitives", {{"file", std::string("p.csv")}}},
-                                               {"sculpt", {{"strokes", std::string("a.strokes")}}},
-                                               {"volume", {{"file", std::string("ball.tvol")}}}};
+  const std::map<std::string, Values> needed = {{"primitives", {{"file", std::string("p.csv")}}},
+                                                {"sculpt", {{"strokes", std::string("a.strokes")}}},
+                                                {"volume", {{"file", std::string("ball.tvol")}}}};
   for (const LayerKind* kind : all_layers()) {
     if (!kind->listed_as.empty()) continue;  // a registry of its own, with tests of its own
     for (const LayerType& type : kind->types) {
-      ASSERT_TRUE(files.contains(type.about.name)) << type.about.name << " needs files here to be tried with";
+      ASSERT_TRUE(needed.contains(type.about.name))
+          << type.about.name << " wants a row in `needed` to be tried with";
       const std::set<std::string> paths(type.paths.begin(), type.paths.end());
       for (const ParamInfo& info : type.about.params)
         if (!paths.contains(info.name))
           expect_change(info, {}, type.about.name, [&](const Values& values) {
-            return field_with(type.about.name, files.at(type.about.name), values);
+            return field_with(type.about.name, needed.at(type.about.name), values);
           });
     }
   }
