@@ -11,6 +11,7 @@
 #include "tafoni/field/impl/node.h"
 #include "tafoni/field/impl/pose.h"
 #include "tafoni/field/tree.h"
+#include "tafoni/math/counts.h"
 #include "tafoni/math/whole.h"
 
 namespace tafoni::field {
@@ -35,10 +36,7 @@ class Cells {
         marked_[std::ptrdiff_t{j} * width_ + i] = true;
     }
   }
-  double share() const {
-    return static_cast<double>(std::count(marked_.begin(), marked_.end(), true)) /
-           static_cast<double>(marked_.size());
-  }
+  double share() const { return ratio(std::count(marked_.begin(), marked_.end(), true), marked_.size()); }
 
  private:
   Box3d area_;

@@ -197,7 +197,7 @@ bool Assembly::apply(const Shape& added, const Production& how, const Label& lab
   auto& bonds = parts_[label.part].bonds;
   const Bond base = bonds[label.bond], own = label.touching.placed(added.bonds[label.added]);
   labels_.emplace_back(base, own);
-  bonds.erase(bonds.begin() + static_cast<std::ptrdiff_t>(label.bond));
+  bonds.erase(bonds.begin() + label.bond);
 
   const Pose& pose = label.final;
   const FormPtr form = placed(added.form, pose);

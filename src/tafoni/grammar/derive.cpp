@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "tafoni/core/error.h"
+#include "tafoni/math/draw.h"
 
 namespace tafoni::grammar {
 namespace {
@@ -64,7 +65,7 @@ class Generator {
     }
     for (int i = 0; i < settings_.morphic; ++i) {
       const std::size_t at = order.empty() ? 0 : 1 + random_.below(order.size());
-      order.insert(order.begin() + static_cast<std::ptrdiff_t>(at), Operation::morph);
+      order.insert(order.begin() + at, Operation::morph);
     }
     return order;
   }
@@ -112,8 +113,7 @@ class Generator {
     how.level = operation == Operation::morph || operation == Operation::intersection;
     const bool branch = random_.uniform() < settings_.branches;
     const std::uint64_t parts = base.parts().size();
-    if (branch && parts > 0 && operation != Operation::intersection)
-      how.part = static_cast<int>(random_.below(parts));
+    if (branch && parts > 0 && operation != Operation::intersection) how.part = draw_index(random_, parts);
     return how;
   }
 

@@ -1,6 +1,8 @@
 #include "tafoni/grammar/leaf.h"
 
+#include "tafoni/field/each_point.h"
 #include "tafoni/field/function.h"
+#include "tafoni/math/lattice.h"
 
 namespace tafoni::grammar {
 namespace {
@@ -10,14 +12,13 @@ class Placed final : public field::Function {
   Placed(SolidPtr solid, const Pose& pose) : solid_(std::move(solid)), pose_(pose) {}
 
   void values(std::span<const Vec3d> points, std::span<float> out) const override {
-    for (std::size_t i = 0; i < points.size(); ++i)
-      out[i] = static_cast<float>(solid_->distance(pose_.own(points[i])));
+    field::each_point(points, out, [this](Vec3d p) { return solid_->distance(pose_.own(p)); });
   }
   // A true distance changes by no more than the way that is gone.
   Interval range(const Box3d& box) const override {
     const double middle = solid_->distance(pose_.own(box.center())), way = length(box.size()) / 2;
     const double rounding = 1e-6 * (std::abs(middle) + way);
-    return {static_cast<float>(middle - way - rounding), static_cast<float>(middle + way + rounding)};
+    return rounded(middle - way - rounding, middle + way + rounding);
   }
   double step() const override { return 1e-3; }
 

@@ -102,8 +102,7 @@ class Rewriting {
   }
 
   void run(Assembly& base, const Assembly::Accept& accept) {
-    progress_.begin("productions", static_cast<std::uint64_t>(settings_.classic + settings_.morphic),
-                    "productions");
+    progress_.begin("productions", settings_.classic + settings_.morphic, "productions");
     if (!rules_.empty())
       rewrite(base, rules_.front().symbol, settings_.classic, settings_.morphic, accept, 0);
     progress_.end();

@@ -9,6 +9,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::mesh {
 namespace {
@@ -77,10 +78,10 @@ void cross_triangle(const Vec3d (&p)[3], Columns& columns, const Progress& progr
   const double lo_y = std::min({p[0].y, p[1].y, p[2].y}), hi_y = std::max({p[0].y, p[1].y, p[2].y});
   const Vec3d n = cross(p[1] - p[0], p[2] - p[0]);
   if (n.z == 0) return;
-  for (auto j = static_cast<std::int64_t>(std::ceil(lo_y)); static_cast<double>(j) <= hi_y; ++j) {
+  for (auto j = ceil_to<std::int64_t>(lo_y); static_cast<double>(j) <= hi_y; ++j) {
     progress.check();
-    for (auto i = static_cast<std::int64_t>(std::ceil(lo_x)); static_cast<double>(i) <= hi_x; ++i) {
-      const Vec3d q{static_cast<double>(i), static_cast<double>(j), 0};
+    for (auto i = ceil_to<std::int64_t>(lo_x); static_cast<double>(i) <= hi_x; ++i) {
+      const Vec3d q = to_vec(i, j, 0);
       bool within = true;
       for (std::size_t c = 0; c < 3 && within; ++c) {
         // Both triangles of an edge judge it by the same numbers, in the same order.

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "tafoni/core/parallel.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::raster {
 namespace {
@@ -19,10 +20,10 @@ Grid<float> column_distances(const Grid<std::uint8_t>& mask, double dy, bool ins
   const int width = mask.width(), height = mask.height();
   Grid<float> out(width, height, std::numeric_limits<float>::infinity());
   const auto far = [&](int col, int row) { return (mask.at(col, row) != 0) == inside; };
-  parallel_blocks(width, 64, [&](std::int64_t first, std::int64_t last) {
+  parallel_blocks(width, 64, [&](int first, int last) {
     std::vector<float> gap(last - first, std::numeric_limits<float>::infinity());
     const auto sweep = [&](int row) {
-      for (int col = static_cast<int>(first); col < last; ++col) {
+      for (int col = first; col < last; ++col) {
         float& rows = gap[col - first];
         rows = far(col, row) ? rows + 1 : 0;
         const float distance = rows > 0 ? (rows - 0.5f) * static_cast<float>(dy) : 0.0f;
@@ -110,8 +111,8 @@ Grid<std::uint8_t> even_odd(const std::vector<Edge>& edges, const Placement& pla
   for (const Edge& edge : edges) {
     const double top = placement.pixel(0, std::max(edge.a.y, edge.b.y)).y;
     const double bottom = placement.pixel(0, std::min(edge.a.y, edge.b.y)).y;
-    const int first = static_cast<int>(std::clamp(std::ceil(top) - 1, 0.0, static_cast<double>(height)));
-    const int last = static_cast<int>(std::clamp(std::floor(bottom) + 1, -1.0, height - 1.0));
+    const int first = std::max(ceil_to(std::clamp(top, 0.0, height + 1.0)) - 1, 0);
+    const int last = std::min(floor_to(std::clamp(bottom, -2.0, 1.0 * height)) + 1, height - 1);
     for (int row = first; row <= last; ++row) {
       const double y = placement.center(0, row).y;
       if ((edge.a.y > y) == (edge.b.y > y)) continue;
@@ -145,21 +146,18 @@ double distance_to(const Edge& edge, Vec2d p) {
 void stamp(const Edge& edge, const Placement& placement, double band, Grid<float>& nearest) {
   const double length = std::hypot(edge.b.x - edge.a.x, edge.b.y - edge.a.y);
   const double piece = std::max(2 * band, 8 * std::max(placement.dx, placement.dy));
-  const int pieces = static_cast<int>(std::clamp(std::ceil(length / piece), 1.0, 1e6));
+  const int pieces = ceil_to(std::clamp(length / piece, 1.0, 1e6));
   for (int i = 0; i < pieces; ++i) {
-    const Edge part{edge.a + (edge.b - edge.a) * (static_cast<double>(i) / pieces),
-                    edge.a + (edge.b - edge.a) * (static_cast<double>(i + 1) / pieces)};
+    const Edge part{edge.a + (edge.b - edge.a) * (1.0 * i / pieces),
+                    edge.a + (edge.b - edge.a) * ((i + 1.0) / pieces)};
     const Vec2d lo =
         placement.pixel(std::min(part.a.x, part.b.x) - band, std::max(part.a.y, part.b.y) + band);
     const Vec2d hi =
         placement.pixel(std::max(part.a.x, part.b.x) + band, std::min(part.a.y, part.b.y) - band);
-    const auto clamp = [](double v, int count) {
-      return static_cast<int>(std::clamp(v, -1.0, static_cast<double>(count)));
-    };
-    const int left = std::max(clamp(std::ceil(lo.x), nearest.width()), 0);
-    const int right = std::min(clamp(std::floor(hi.x), nearest.width()), nearest.width() - 1);
-    const int top = std::max(clamp(std::ceil(lo.y), nearest.height()), 0);
-    const int bottom = std::min(clamp(std::floor(hi.y), nearest.height()), nearest.height() - 1);
+    const int left = ceil_to(std::clamp<double>(lo.x, 0, nearest.width()));
+    const int right = floor_to(std::clamp<double>(hi.x, -1, nearest.width() - 1));
+    const int top = ceil_to(std::clamp<double>(lo.y, 0, nearest.height()));
+    const int bottom = floor_to(std::clamp<double>(hi.y, -1, nearest.height() - 1));
     for (int row = top; row <= bottom; ++row)
       for (int col = left; col <= right; ++col) {
         const auto d = static_cast<float>(distance_to(part, placement.center(col, row)));
@@ -176,10 +174,10 @@ Grid<float> signed_distance(const Grid<std::uint8_t>& mask, double dx, double dy
   for (const bool inside : {true, false}) {
     const Grid<float> columns = column_distances(mask, dy, inside);
     constexpr std::int64_t rows_a_block = 16;
-    parallel_blocks(mask.height(), rows_a_block, [&](std::int64_t first, std::int64_t last) {
+    parallel_blocks(mask.height(), rows_a_block, [&](int first, int last) {
       RowEnvelope envelope(mask.width());
       std::vector<float> distances(mask.width());
-      for (int row = static_cast<int>(first); row < last; ++row) {
+      for (int row = first; row < last; ++row) {
         envelope.distances(columns.row(row), mask.width(), dx, distances.data());
         for (int col = 0; col < mask.width(); ++col)
           if ((mask.at(col, row) != 0) == inside)

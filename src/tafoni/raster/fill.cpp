@@ -128,8 +128,7 @@ FillReport fill_holes(Raster& raster, double distance, Progress& progress) {
   Grid<float>& grid = raster.values;
   Grid<std::uint8_t> valid(grid.width(), grid.height());
   for (std::size_t i = 0; i < grid.size(); ++i) valid.values()[i] = !std::isnan(grid.values()[i]);
-  const auto missing =
-      static_cast<std::size_t>(std::count(valid.values().begin(), valid.values().end(), std::uint8_t{0}));
+  const std::size_t missing = std::count(valid.values().begin(), valid.values().end(), std::uint8_t{0});
   FillReport report{0, missing};
   if (missing == 0 || missing == grid.size() || distance <= 0) return report;
 

@@ -66,7 +66,7 @@ struct Cover {
   int first, last;
   double begin, end;
   double weight(int pixel) const {
-    return std::max(0.0, std::min(end, pixel + 1.0) - std::max(begin, static_cast<double>(pixel)));
+    return std::max(0.0, std::min(end, pixel + 1.0) - std::max(begin, 1.0 * pixel));
   }
 };
 Cover cover(double begin, double end, int count) {
@@ -108,8 +108,7 @@ Raster resample(const Raster& source, const Placement& placement, int width, int
   progress.begin("resample", height, "rows");
   parallel_for(
       height,
-      [&](std::int64_t r) {
-        const int row = static_cast<int>(r);
+      [&](int row) {
         const double north = placement.north - row * placement.dy;
         const Cover rows = cover((from.north - north) / from.dy,
                                  (from.north - north + placement.dy) / from.dy, source.height());

@@ -49,9 +49,9 @@ void sweep_plate(Grid<float>& plate, const Grid<float>& heights, float slack, co
   };
   for (int kind = 0; kind < kinds; ++kind) {
     const std::int64_t rows = (plate.height() - kind + kinds - 1) / kinds;
-    parallel_blocks(rows, rows_a_block, [&](std::int64_t first, std::int64_t last) {
-      for (std::int64_t i = first; i < last; ++i)
-        for (int column = 0; column < kinds; ++column) update_row(static_cast<int>(i) * kinds + kind, column);
+    parallel_blocks(rows, rows_a_block, [&](int first, int last) {
+      for (int i = first; i < last; ++i)
+        for (int column = 0; column < kinds; ++column) update_row(i * kinds + kind, column);
     });
   }
 }

@@ -13,6 +13,8 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/field/chunks.h"
+#include "tafoni/math/lattice.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/surface/impl/connect.h"
 #include "tafoni/surface/impl/field_source.h"
 
@@ -181,12 +183,8 @@ bool IncrementalMesher::State::choose_cells(const Box3d& bounds) {
 /// The samples in closed boxes; a little more, since positions are rounded.
 std::vector<LatticeBox> IncrementalMesher::State::lattice_boxes(std::span<const Box3d> changed) const {
   constexpr double most = far, margin = 0.01;
-  const auto low = [&](double v) {
-    return static_cast<int>(std::clamp(std::floor(v / settings.voxel - margin), -most, most));
-  };
-  const auto high = [&](double v) {
-    return static_cast<int>(std::clamp(std::ceil(v / settings.voxel + margin), -most, most));
-  };
+  const auto low = [&](double v) { return floor_to(std::clamp(v / settings.voxel - margin, -most, most)); };
+  const auto high = [&](double v) { return ceil_to(std::clamp(v / settings.voxel + margin, -most, most)); };
   std::vector<LatticeBox> out;
   for (const Box3d& b : changed)
     if (!b.empty())

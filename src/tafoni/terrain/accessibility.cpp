@@ -24,9 +24,8 @@ std::vector<raster::Grid<float>> max_pyramid(const raster::Grid<float>& heights,
   for (int level = 1; level < levels; ++level) {
     const raster::Grid<float>& fine = pyramid.back();
     raster::Grid<float> coarse((fine.width() + 1) / 2, (fine.height() + 1) / 2, nothing);
-    parallel_blocks(coarse.height(), 64, [&](std::int64_t begin, std::int64_t end) {
-      const int first = 2 * static_cast<int>(begin),
-                last = std::min(2 * static_cast<int>(end), fine.height());
+    parallel_blocks(coarse.height(), 64, [&](int begin, int end) {
+      const int first = 2 * begin, last = std::min(2 * end, fine.height());
       for (int row = first; row < last; ++row)
         for (int col = 0; col < fine.width(); ++col) {
           float& most = coarse.at(col / 2, row / 2);
@@ -139,8 +138,7 @@ raster::Grid<float> accessibility(const raster::Raster& heights, const Accessibi
   progress.begin("accessibility", height, "rows");
   parallel_for(
       height,
-      [&](std::int64_t i) {
-        const int row = static_cast<int>(i);
+      [&](int row) {
         Search search(heights, pyramid, settings.max_radius);
         for (int col = 0; col < width; ++col)
           if (asked(col, row))

@@ -53,8 +53,7 @@ class Flow {
   static constexpr std::uint8_t settled = 255;
 
   void count_higher() {
-    parallel_for(heights_.height(), [&](std::int64_t r) {
-      const int row = static_cast<int>(r);
+    parallel_for(heights_.height(), [&](int row) {
       for (int col = 0; col < heights_.width(); ++col) {
         const float h = heights_.at(col, row);
         int higher = 0;

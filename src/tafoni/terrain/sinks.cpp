@@ -24,7 +24,7 @@ Sink gather(const raster::Raster& heights, const raster::Grid<float>& level, std
     stack.pop_back();
     const float h = grid.data()[i];
     ++cells;
-    depths += static_cast<double>(level.data()[i]) - h;
+    depths += level.data()[i] - double{h};
     if (h < grid.data()[deepest] || (h == grid.data()[deepest] && i < deepest)) deepest = i;
     const auto [col, row] = impl::cell_of(grid, i);
     for (int k = 0; k < 8; ++k) {

@@ -12,8 +12,7 @@ raster::Grid<float> slope(const raster::Raster& heights, Progress& progress) {
   progress.begin("slope", height, "rows");
   parallel_for(
       height,
-      [&](std::int64_t r) {
-        const int row = static_cast<int>(r);
+      [&](int row) {
         for (int col = 0; col < width; ++col) {
           if (impl::missing(heights.values.at(col, row))) continue;
           const Vec2d g = impl::gradient(heights, col, row);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 
+#include "tafoni/field/each_point.h"
+#include "tafoni/math/lattice.h"
 #include "tafoni/math/whole.h"
 #include "tafoni/volume/inner/prism_cells.h"
 #include "tafoni/volume/prism_convert.h"
@@ -70,7 +72,7 @@ class PrismFunction final : public field::Function {
   }
 
   void values(std::span<const Vec3d> points, std::span<float> out) const override {
-    for (std::size_t n = 0; n < points.size(); ++n) out[n] = static_cast<float>(value(points[n]));
+    field::each_point(points, out, [this](Vec3d p) { return value(p); });
   }
 
   double step() const override { return step_; }
@@ -297,8 +299,7 @@ void PrismFunction::summarize() {
 
 /// Cell by cell: matter that fills the box there, or air that does; else both.
 Interval PrismFunction::range(const Box3d& box) const {
-  const auto r = static_cast<float>(reach_);
-  const Interval all{-r, r};
+  const Interval all = rounded(-reach_, reach_);
   const double lo = box.lo.z - frame_.origin.z, hi = box.hi.z - frame_.origin.z;
   const double x0 = box.lo.x - frame_.origin.x, x1 = box.hi.x - frame_.origin.x;
   const double y0 = box.lo.y - frame_.origin.y, y1 = box.hi.y - frame_.origin.y;
@@ -306,7 +307,7 @@ Interval PrismFunction::range(const Box3d& box) const {
     return floor_to(std::clamp<double>(v / d, 0.0, cells - 1));
   };
   const double off = std::max({-x1, -y1, x0 - cells_x_ * frame_.dx, y0 - cells_y_ * frame_.dy});
-  if (off > 0) return {all.lo, static_cast<float>(-std::min(off, reach_) * (1 - slack_beside))};
+  if (off > 0) return rounded(-reach_, -std::min(off, reach_) * (1 - slack_beside));
   const bool beyond = x0 < 0 || y0 < 0 || x1 > cells_x_ * frame_.dx || y1 > cells_y_ * frame_.dy;
   const int i0 = index(x0, frame_.dx, cells_x_), i1 = index(x1, frame_.dx, cells_x_);
   const int j0 = index(y0, frame_.dy, cells_y_), j1 = index(y1, frame_.dy, cells_y_);
@@ -316,7 +317,7 @@ Interval PrismFunction::range(const Box3d& box) const {
     for (int ti = i0 / tile_cells; ti <= i1 / tile_cells; ++ti)
       highest = std::max<double>(highest, highest_[tile_of(ti, tj)]);
   if (lo > highest + reach_)
-    return {all.lo, static_cast<float>(-std::min(reach_, (lo - highest) * flattest_) * (1 - slack_share))};
+    return rounded(-reach_, -std::min(reach_, (lo - highest) * flattest_) * (1 - slack_share));
   double least = reach_, most = -reach_;
   for (int j = j0; j <= j1; ++j)
     for (int i = i0; i <= i1; ++i) {
@@ -327,13 +328,12 @@ Interval PrismFunction::range(const Box3d& box) const {
     }
   if (beyond && most > 0) return all;
   const double slack = slack_share * reach_;
-  return {static_cast<float>(least > 0 ? std::max(0.0, least - slack) : -reach_),
-          static_cast<float>(most > 0 ? reach_ : std::min(0.0, most + slack))};
+  return rounded(least > 0 ? std::max(0.0, least - slack) : -reach_,
+                 most > 0 ? reach_ : std::min(0.0, most + slack));
 }
 
 /// Over one cell from elevation lo to hi; only the ends towards 0 are tight.
 Interval PrismFunction::range(std::int32_t at, double lo, double hi) const {
-  const float r = static_cast<float>(reach_);
   bool filled = false;
   double depth = 0, most = -reach_;
   for (const Slab& slab : slabs(at)) {
@@ -354,13 +354,13 @@ Interval PrismFunction::range(std::int32_t at, double lo, double hi) const {
       filled = true;
       depth = std::max(depth, std::min((top_lo - hi) * flat_top, (lo - bottom_hi) * flat_bottom));
     } else {
-      return {-r, r};
+      return rounded(-reach_, reach_);
     }
   }
   const bool walls = near_walls_[at];
-  if (!filled && walls) return {-r, static_cast<float>(-clear_of_walls(at, lo, hi))};
-  if (filled) return {walls ? 0 : static_cast<float>(std::min(depth, reach_)), r};
-  return {-r, static_cast<float>(most)};
+  if (!filled && walls) return rounded(-reach_, -clear_of_walls(at, lo, hi));
+  if (filled) return rounded(walls ? 0 : std::min(depth, reach_), reach_);
+  return rounded(-reach_, most);
 }
 
 /// At least so far above or below all slabs of the cell and those around it, and no farther than the cell's

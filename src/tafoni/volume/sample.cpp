@@ -15,6 +15,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/field/chunks.h"
+#include "tafoni/math/lattice.h"
 #include "tafoni/math/whole.h"
 
 namespace tafoni::volume {
@@ -175,8 +176,8 @@ ScalarGrid sample(const field::CompiledField& field, const GridFrame& frame, con
         [&](std::int64_t i) {
           Column& column = group[i];
           if (!column.sampler) column.sampler = std::make_unique<ColumnSampler>(field, frame, band, progress);
-          column.sampler->run(static_cast<int>((begin + i) % columns_x),
-                              static_cast<int>((begin + i) / columns_x), column.chunks);
+          const Vec3i at = sample_at({columns_x, columns_y, 1}, begin + i);
+          column.sampler->run(at.x, at.y, column.chunks);
         },
         progress);
     for (std::int64_t i = 0; i < count; ++i)

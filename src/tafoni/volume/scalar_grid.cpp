@@ -10,6 +10,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/math/lattice.h"
 #include "tafoni/volume/impl/chunk_editor.h"
 
 namespace tafoni::volume {
@@ -338,8 +339,7 @@ void ScalarGrid::generate(const std::function<std::optional<float>(const SampleB
   parallel_for(
       std::ssize(state.slots),
       [&](std::int64_t i) {
-        const SampleBox box = state.samples_of(
-            {static_cast<int>(i % n.x), static_cast<int>(i / n.x % n.y), static_cast<int>(i / n.x / n.y)});
+        const SampleBox box = state.samples_of(sample_at(n, i));
         Slot& slot = state.slots[i];
         std::unique_ptr<float[]> samples(new float[impl::chunk_size]);
         if (const auto same = make(box, samples.get())) {

@@ -11,6 +11,8 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/math/draw.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/volume/impl/chunk_editor.h"
 #include "tafoni/volume/impl/cones.h"
 
@@ -116,7 +118,7 @@ class Carving {
   void spread(const Cone& cone) {
     const double stride = frame_.spacing * side;
     const double radius = std::max(cone.radius, cone.radius + cone.grow * cone.length) + reach_;
-    const int pieces = static_cast<int>(cone.length / (2 * radius + 4 * stride)) + 1;
+    const int pieces = floor_to(cone.length / (2 * radius + 4 * stride)) + 1;
     const std::size_t first = near_.size();
     for (int i = 0; i < pieces; ++i) {
       Box3d box;
@@ -216,7 +218,7 @@ Tunnel fractal_tunnel(Vec3d from, Vec3d to, const TunnelSettings& s) {
       continue;
     }
     const auto noise = [&](std::uint64_t which) {
-      return 2 * (static_cast<double>(random.at(4 * part.place + which) >> 11) * 0x1p-53) - 1;
+      return 2 * unit_real(random.at(4 * part.place + which)) - 1;
     };
     const double swell = s.radius * share * std::ldexp(2.0, -static_cast<int>(std::bit_width(part.place)));
     AxisPoint middle{0.5 * (begin.position + part.end.position), 0.5 * (begin.radius + part.end.radius)};

@@ -27,8 +27,7 @@ Cloud::Cloud(const PrimitiveType& type, float falloff, const Noise& noise, std::
     std::uint32_t index;
   };
   std::vector<Key> keys(records.size());
-  for (std::size_t i = 0; i < records.size(); ++i)
-    keys[i] = {curve_key(records[i].anchor), static_cast<std::uint32_t>(i)};
+  for (std::uint32_t i = 0; i < records.size(); ++i) keys[i] = {curve_key(records[i].anchor), i};
   const auto extras_of = [&](const Record& r) { return std::span(pool.data() + r.extra, r.extra_count); };
   // Canonical: depends on the primitives alone. Records equal in every field may swap without a trace.
   std::sort(keys.begin(), keys.end(), [&](const Key& a, const Key& b) {
@@ -46,7 +45,7 @@ Cloud::Cloud(const PrimitiveType& type, float falloff, const Noise& noise, std::
   if (type.variable) extra_offsets_.reserve(records.size() + 1);
   std::vector<Box3f> boxes;
   double reaches = 0;
-  for (std::size_t i = 0; i < keys.size(); ++i) {
+  for (std::uint32_t i = 0; i < keys.size(); ++i) {
     const Record& r = records[keys[i].index];
     const Vec3i a = r.anchor;
     const std::int16_t cell[3] = {static_cast<std::int16_t>(a.x >> cell_bits),
@@ -54,7 +53,7 @@ Cloud::Cloud(const PrimitiveType& type, float falloff, const Noise& noise, std::
                                   static_cast<std::int16_t>(a.z >> cell_bits)};
     if (blocks_.empty() || blocks_.back().count == block_size ||
         std::memcmp(blocks_.back().cell, cell, sizeof(cell)) != 0) {
-      blocks_.push_back({{cell[0], cell[1], cell[2]}, 0, static_cast<std::uint32_t>(i)});
+      blocks_.push_back({{cell[0], cell[1], cell[2]}, 0, i});
       boxes.emplace_back();
     }
     ++blocks_.back().count;

@@ -30,10 +30,8 @@ struct CurveKey {
 };
 constexpr CurveKey curve_key(Vec3i at) {
   constexpr std::int32_t bias = 1 << (31 - cell_bits);
-  const auto cell = [](std::int32_t v) {
-    return spread(static_cast<std::uint32_t>((v >> cell_bits) + bias));
-  };
-  const auto within = [](std::int32_t v) { return spread(static_cast<std::uint32_t>(v & cell_mask)); };
+  const auto cell = [](std::int32_t v) { return spread((v >> cell_bits) + bias); };
+  const auto within = [](std::int32_t v) { return spread(v & cell_mask); };
   return {cell(at.x) | cell(at.y) << 1 | cell(at.z) << 2,
           within(at.x) | within(at.y) << 1 | within(at.z) << 2};
 }

@@ -13,6 +13,8 @@
 #include "tafoni/field/chunks.h"
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/test/lattice.h"
+#include "tafoni/math/draw.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::field {
 namespace {
@@ -32,7 +34,7 @@ NodePtr scene(const NodePtr& terrain, int points, double extent, std::uint64_t s
 
 TEST(Engine, ChunksEqualPointsBitForBit) {
   for (int seed = 0; seed < 4; ++seed) {
-    const CompiledField field = compile(scene(terrain(), 400, 90, static_cast<std::uint64_t>(seed)));
+    const CompiledField field = compile(scene(terrain(), 400, 90, seed));
     Lattice lattice(field, seed % 2 ? 1.0 : 0.7310585);
     EXPECT_GT(lattice.check(-1, 0, -1, 0), 10000u);
   }
@@ -60,9 +62,9 @@ TEST(Engine, EveryKindAndOperatorPrunesExactly) {
   CloudBuilder spheres({"sphere", 6, {}}), segments({"segment", 15, {0.5, 2, 2, 1}}),
       curves({"curve", 15, {}});
   for (int i = 0; i < 60; ++i) {
-    const float r = static_cast<float>(random.uniform(1, 4));
-    const float e = static_cast<float>(random.uniform(-9, 9));
-    const auto step = [&] { return static_cast<float>(random.uniform(-12, 12)); };
+    const float r = draw_float(random, 1, 4);
+    const float e = draw_float(random, -9, 9);
+    const auto step = [&] { return draw_float(random, -12, 12); };
     spheres.add(somewhere(), e, std::vector<float>{r});
     segments.add(somewhere(), e, std::vector<float>{r + 1, step(), step(), step()});
     curves.add(somewhere(), e, std::vector<float>{r + 1, step(), step(), step(), step(), step(), step()});
@@ -165,7 +167,7 @@ TEST(Engine, AgreesWithTheDefinitionInDouble) {
     const Vec3d p{random.uniform(-110, 110), random.uniform(-110, 110), random.uniform(-70, 30)};
     const Vec2d q = heights->placement.pixel(p.x, p.y);
     const double u = std::clamp(q.x, 0.0, 39.0), v = std::clamp(q.y, 0.0, 39.0);
-    const int x = std::min(static_cast<int>(u), 38), y = std::min(static_cast<int>(v), 38);
+    const int x = std::min(floor_to(u), 38), y = std::min(floor_to(v), 38);
     const double fx = u - x, fy = v - y;
     const auto& h = heights->values;
     const double height = (h.at(x, y) * (1 - fx) + h.at(x + 1, y) * fx) * (1 - fy) +

@@ -60,7 +60,7 @@ NodePtr one(std::string_view kind, const std::vector<double>& extras) {
 
 /// The value says how far the rounded body is.
 double distance(const CompiledField& field, Vec3d p) {
-  return falloff * std::sqrt(std::max(1 - std::cbrt(static_cast<double>(field.value(p))), 0.0)) + rounding;
+  return falloff * std::sqrt(std::max(1 - std::cbrt(double{field.value(p)}), 0.0)) + rounding;
 }
 
 /// A body about an axis: u is (along, outwards, around).

@@ -17,6 +17,7 @@
 #include "tafoni/field/impl/node.h"
 #include "tafoni/field/operator.h"
 #include "tafoni/field/primitive.h"
+#include "tafoni/math/draw.h"
 #include "tafoni/math/simd.h"
 
 namespace tafoni::field {
@@ -33,12 +34,12 @@ struct Sample {
 /// A primitive with parameters drawn well inside their ranges and a size of metres.
 Sample draw(const PrimitiveType& type, Random& random) {
   Sample s{{random.uniform(-30, 30), random.uniform(-30, 30), random.uniform(-30, 30)},
-           static_cast<float>(random.uniform(-9, 9)),
-           {static_cast<float>(random.uniform(1.5, 8))}};
+           draw_float(random, -9, 9),
+           {draw_float(random, 1.5, 8)}};
   const std::uint64_t groups = type.extras == 0 ? 0 : type.variable ? 1 + random.below(5) : 1;
   for (std::uint64_t i = 0; i < groups; ++i)
     for (const ParamInfo& p : std::span(type.about.params).subspan(1))
-      s.shape.push_back(static_cast<float>(random.uniform(std::max(p.min, -10.0), std::min(p.max, 10.0))));
+      s.shape.push_back(draw_float(random, std::max(p.min, -10.0), std::min(p.max, 10.0)));
   return s;
 }
 
@@ -56,7 +57,7 @@ TEST_P(Kinds, DeclareThemselves) {
   EXPECT_FALSE(type.about.source.empty());
   ASSERT_FALSE(type.about.params.empty());
   EXPECT_EQ(type.about.params[0].name, "radius");
-  EXPECT_EQ(type.about.params.size(), static_cast<std::size_t>(1 + type.extras));
+  EXPECT_EQ(std::ssize(type.about.params), 1 + type.extras);
   // A chain of vertices, relative to the first.
   if (type.variable) {
     EXPECT_EQ(type.extras, 3);
@@ -110,7 +111,7 @@ Vec3d skeleton_point(const PrimitiveType& type, const CompiledField& field, cons
   float v;
   Vec3f g;
   field.gradients({&p, 1}, {&v, 1}, {&g, 1});
-  const double q = std::sqrt(1 - std::cbrt(static_cast<double>(v / s.energy)));
+  const double q = std::sqrt(1 - std::cbrt(double{v / s.energy}));
   const double d = type.volumetric ? s.shape[0] + q * 7 : q * s.shape[0];
   const Vec3d inwards = normalized(to_double(g)) * (s.energy > 0 ? 1.0 : -1.0);
   return p + inwards * d;
@@ -127,7 +128,7 @@ TEST_P(Kinds, HaveTheirEnergyAtTheSkeleton) {
         0.8 * (s.shape[0] + type.extent(std::span(s.shape).subspan(1)) + (type.volumetric ? 7 : 0));
     const Vec3d p = s.anchor + Vec3d{random.uniform(-size, size), random.uniform(-size, size),
                                      random.uniform(-size, size)};
-    const double share = field.value(p) / static_cast<double>(s.energy);
+    const double share = field.value(p) / double{s.energy};
     if (share < 0.05 || share > 0.95) continue;
     ++tried;
     EXPECT_NEAR(field.value(skeleton_point(type, field, s, p)) / s.energy, 1, 1e-3);
@@ -244,14 +245,13 @@ TEST_P(Operators, IntervalsAndNeedsAreHonest) {
   Random random(1);
   for (int i = 0; i < 2000; ++i) {
     const auto range = [&] {
-      const auto a = static_cast<float>(random.uniform(-5, 5)), b = static_cast<float>(random.uniform(-5, 5));
+      const auto a = draw_float(random, -5, 5), b = draw_float(random, -5, 5);
       return Interval{std::min(a, b), std::max(a, b)};
     };
     const Interval a = range(), b = range(), r = type.combination->interval(a, b, parameter);
     const Needs needs = type.combination->needs(a, b, parameter);
     for (int k = 0; k < 10; ++k) {
-      const auto va = static_cast<float>(random.uniform(a.lo, a.hi)),
-                 vb = static_cast<float>(random.uniform(b.lo, b.hi));
+      const auto va = draw_float(random, a.lo, a.hi), vb = draw_float(random, b.lo, b.hi);
       const float v = compile(combine(type.about.name, {constant(va), constant(vb)})).value({0, 0, 0});
       EXPECT_GE(v, r.lo);
       EXPECT_LE(v, r.hi);
@@ -281,7 +281,7 @@ std::uint64_t field_hash() {
   auto heights = std::make_shared<raster::Raster>();
   heights->values = raster::Grid<float>(20, 20);
   heights->placement = {-50, 50, 5, 5};
-  for (float& h : heights->values.values()) h = static_cast<float>(random.uniform(-20, 20));
+  for (float& h : heights->values.values()) h = draw_float(random, -20, 20);
   const NodePtr land = unite({blend(parts), heightfield(heights, HeightfieldSettings{})});
   const std::vector<Placement> places{{{9, 4, 3}, 1, 0.5, 1.2}, {{-20, 4, 1}, -2, 0, 0.7}};
   const FunctionPtr control = as_function(parts[1]), resistance = as_function(parts[2]);

@@ -8,6 +8,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/geology/impl/rock.h"
 #include "tafoni/geology/kind.h"
+#include "tafoni/math/draw.h"
 #include "tafoni/math/smoothstep.h"
 
 namespace tafoni::geology::geology_strata {
@@ -172,9 +173,7 @@ class Stack {
   }
 
   /// Uniform in [-1, 1).
-  static double unit(const Random& random, std::int64_t i) {
-    return static_cast<double>(random.at(static_cast<std::uint64_t>(i)) >> 11) * 0x1p-52 - 1;
-  }
+  static double unit(const Random& random, std::int64_t i) { return 2 * unit_real(random.at(i)) - 1; }
 
   Params p_;
   Random hardness_, boundary_;

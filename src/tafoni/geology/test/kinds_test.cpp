@@ -8,6 +8,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/errors.h"
 #include "tafoni/geology/kind.h"
+#include "tafoni/math/counts.h"
 #include "tafoni/math/noise.h"
 
 namespace tafoni::geology {
@@ -66,9 +67,7 @@ TEST(Strata, DefaultBedsAlternateBetweenHardAndSoft) {
   EXPECT_LT(thicknesses.size(), 130u);
   EXPECT_GT(*std::min_element(thicknesses.begin(), thicknesses.end()), 3);
   EXPECT_LT(*std::max_element(thicknesses.begin(), thicknesses.end()), 22);
-  double mean = 0;
-  for (double t : thicknesses) mean += t / static_cast<double>(thicknesses.size());
-  EXPECT_NEAR(mean, 39.0 / 4, 0.5);
+  EXPECT_NEAR(mean(thicknesses), 39.0 / 4, 0.5);
 }
 
 TEST(Strata, TransitionsLeaveNoJumps) {

@@ -112,7 +112,7 @@ TEST(Assembly, EachLabelIsADefinitionFiveAndNoBondIsUsedTwice) {
     settings.overlap = seed % 2 ? 0 : 0.3;
     Assembly base;
     derive_at_random(base, settings);
-    EXPECT_EQ(base.labels().size(), static_cast<std::size_t>(base.classic() + base.morphic() - 1));
+    EXPECT_EQ(std::ssize(base.labels()), base.classic() + base.morphic() - 1);
     std::vector<Vec3d> used;
     for (const auto& [a, b] : base.labels()) {
       EXPECT_TRUE(glue(a, b));
@@ -449,8 +449,7 @@ TEST(Rules, GoOnAfterTheWholeWasMorphed) {
   Assembly base;
   derive_by_rules(base, rules, settings);
   EXPECT_EQ(base.morphic(), 4);
-  for (std::size_t i = 1; i < base.parts().size(); ++i)
-    EXPECT_LT(base.parts()[i].parent, static_cast<int>(i));
+  for (int i = 1; i < std::ssize(base.parts()); ++i) EXPECT_LT(base.parts()[i].parent, i);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/site/surface.h"
 #include "tafoni/math/angle.h"
+#include "tafoni/math/counts.h"
 #include "tafoni/math/smoothstep.h"
 
 namespace tafoni::landforms::impl {
@@ -138,9 +139,7 @@ class Search {
     for (double z : {-0.8, -0.4, 0.0, 0.4, 0.8}) places.push_back(p + Vec3d{0, 0, z * around});
     std::vector<float> rho(places.size());
     ground_.resistances(places, rho);
-    double sum = 0;
-    for (float r : rho) sum += r;
-    return sum / static_cast<double>(rho.size());
+    return mean(rho);
   }
 
   /// A window from the face to the air behind it.

@@ -87,12 +87,12 @@ class Slot {
     parallel_blocks(std::ssize(line), 8, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t i = begin; i < end; ++i) made[i] = section(line, i);
     });
-    std::size_t opened = 0;
+    int opened = 0;
     for (const auto& points : made) {
       opened += !points.empty();
       for (const Point& p : points) add_point(cloud, p.at, p.radius, p.energy);
     }
-    return static_cast<double>(opened) * step_;
+    return opened * step_;
   }
 
  private:

@@ -64,14 +64,13 @@ void blur(raster::Grid<std::array<float, n>>& grid, int radius) {
       for (std::size_t k = 0; k < n; ++k) data[i * stride][k] = static_cast<float>(sum[k]) * scale;
     }
   };
-  parallel_blocks(grid.height(), 16, [&](std::int64_t begin, std::int64_t end) {
+  parallel_blocks(grid.height(), 16, [&](int begin, int end) {
     std::vector<Cell> copy(grid.width());
-    for (auto row = static_cast<int>(begin); row < end; ++row) line(grid.row(row), grid.width(), 1, copy);
+    for (int row = begin; row < end; ++row) line(grid.row(row), grid.width(), 1, copy);
   });
-  parallel_blocks(grid.width(), 16, [&](std::int64_t begin, std::int64_t end) {
+  parallel_blocks(grid.width(), 16, [&](int begin, int end) {
     std::vector<Cell> copy(grid.height());
-    for (auto col = static_cast<int>(begin); col < end; ++col)
-      line(grid.data() + col, grid.height(), grid.width(), copy);
+    for (int col = begin; col < end; ++col) line(grid.data() + col, grid.height(), grid.width(), copy);
   });
 }
 

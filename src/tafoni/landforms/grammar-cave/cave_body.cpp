@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tafoni/math/whole.h"
+
 namespace tafoni::landforms::impl {
 namespace {
 
@@ -41,7 +43,7 @@ class Room {
           points.push_back(
               frame_.placed(Vec3d{box.lo.x + size.x * i / i_most, box.lo.y + size.y * j / j_most, z}));
     };
-    const auto metres = [](double way) { return std::clamp(static_cast<int>(std::ceil(way)), 1, 64); };
+    const auto metres = [](double way) { return std::clamp(ceil_to(way), 1, 64); };
     layer(box.hi.z + roof_, metres(size.x), metres(size.y));
     layer(box.center().z, 4, 4);
     layer(box.lo.z, 4, 4);

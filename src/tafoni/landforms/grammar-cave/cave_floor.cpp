@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tafoni/math/whole.h"
+
 namespace tafoni::landforms::impl {
 namespace {
 
@@ -84,7 +86,7 @@ class Pathfinder {
   }
 
   bool blocks(const Stretch& s, const Stretch& other) const {
-    const int n = 2 + static_cast<int>(2 * length(s.to - s.from));
+    const int n = 2 + floor_to(2 * length(s.to - s.from));
     for (int i = 0; i <= n; ++i) {
       const Vec3d p = s.from + (s.to - s.from) * (1.0 * i / n);
       const auto [top, on] = floor_at(other, p);

@@ -10,6 +10,7 @@
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/math/angle.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms::impl {
 namespace {
@@ -75,7 +76,7 @@ std::optional<CaveMouth> find_mouth(const Ground& ground, const MouthSettings& s
   if (box.empty()) return {};
   const double longest = std::max(box.size().x, box.size().y);
   const double step = std::max({ground.pixel(), longest / most_rows, least_step});
-  const int columns = static_cast<int>(box.size().x / step), rows = static_cast<int>(box.size().y / step);
+  const int columns = floor_to(box.size().x / step), rows = floor_to(box.size().y / step);
   struct Best {
     double value = -1e300;
     CaveMouth mouth;
@@ -84,10 +85,10 @@ std::optional<CaveMouth> find_mouth(const Ground& ground, const MouthSettings& s
   progress.begin("looking for a mouth", best.size(), "rows");
   parallel_for(
       rows,
-      [&](std::int64_t row) {
+      [&](int row) {
         Best& here = best[row];
         for (int col = 0; col < columns; ++col) {
-          Vec3d p{box.lo.x + (col + 0.5) * step, box.lo.y + (static_cast<double>(row) + 0.5) * step, 0};
+          Vec3d p{box.lo.x + (col + 0.5) * step, box.lo.y + (row + 0.5) * step, 0};
           p.z = height(ground, p);
           if (!ground.usable(p)) continue;
           for (int i = 0; i < directions; ++i) {

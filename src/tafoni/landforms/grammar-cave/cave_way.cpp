@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tafoni/field/each_point.h"
+#include "tafoni/math/lattice.h"
 #include "tafoni/math/noise.h"
 
 namespace tafoni::landforms::impl {
@@ -39,11 +41,11 @@ class Gentle : public field::Function {
       : way_(std::move(way)), settings_(settings), slope_(slope), slack_(slack) {}
 
   void values(std::span<const Vec3d> points, std::span<float> out) const override {
-    for (std::size_t i = 0; i < points.size(); ++i) out[i] = static_cast<float>(at(points[i]));
+    field::each_point(points, out, [this](Vec3d p) { return at(p); });
   }
   Interval range(const Box3d& box) const override {
     const double middle = plain(box.center()), way = slope_ * length(box.size()) / 2 + slack_ + 1e-3;
-    return {static_cast<float>(middle - way), static_cast<float>(middle + way)};
+    return rounded(middle - way, middle + way);
   }
   double step() const override { return 0.01; }
 

@@ -6,6 +6,7 @@
 
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/site/ground.h"
+#include "tafoni/math/counts.h"
 #include "tafoni/raster/distance.h"
 #include "tafoni/terrain/generator.h"
 
@@ -71,12 +72,6 @@ std::shared_ptr<const raster::Raster> outline(const Site& site, const Ground& gr
   return any ? made : nullptr;
 }
 
-double mean(const raster::Raster& heights) {
-  double sum = 0;
-  for (const float h : heights.values.values()) sum += h;
-  return sum / static_cast<double>(heights.values.size());
-}
-
 /// The other elevation model over the same ground, at the same pixel.
 std::shared_ptr<const raster::Raster> second_model(const Site& site, const Params& p, Progress& progress) {
   const raster::Raster& own = *site.heights;
@@ -85,7 +80,7 @@ std::shared_ptr<const raster::Raster> second_model(const Site& site, const Param
                                        {"height", std::int64_t{own.height()}},
                                        {"pixel", own.placement.dx}},
                                       site.seed, progress);
-  const double middle = mean(made), level = mean(own) + p.elevation;
+  const double middle = mean(made.values.values()), level = mean(own.values.values()) + p.elevation;
   for (float& h : made.values.values()) h = static_cast<float>(level + p.scale * (h - middle));
   made.placement = own.placement;
   return std::make_shared<raster::Raster>(std::move(made));

@@ -9,6 +9,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
+#include "tafoni/math/lattice.h"
 #include "tafoni/volume/sample.h"
 
 namespace tafoni::landforms::impl {
@@ -144,8 +145,7 @@ double carved_volume(const ScalarGrid& grid, const field::NodePtr& before) {
   const std::int64_t n = std::int64_t{chunks.x} * chunks.y * chunks.z;
   std::vector<std::int64_t> counts(n, 0);
   parallel_for(n, [&](std::int64_t c) {
-    const Vec3i at{static_cast<int>(c % chunks.x), static_cast<int>(c / chunks.x % chunks.y),
-                   static_cast<int>(c / chunks.x / chunks.y)};
+    const Vec3i at = sample_at(chunks, c);
     if (grid.uniform(at)) return;
     const Vec3i lo{at.x * side, at.y * side, at.z * side};
     std::vector<Vec3d> open;

@@ -101,8 +101,7 @@ void TunnelPlanner::look_for_roofs() {
   const double low = std::max(s_.lowest, s_.area.lo.z),
                rise = std::max(tunnel_planner_look::least_rise, tunnel_planner_look::roof_rise * s_.radius);
   const int most = floor_to((s_.area.hi.z - low) / rise) + 2;
-  parallel_for(ny, [&](std::int64_t line_of) {
-    const int row = static_cast<int>(line_of);
+  parallel_for(ny, [&](int row) {
     std::vector<Vec3d> line;
     std::vector<float> values;
     for (int col = 0; col < nx; ++col) {

@@ -4,6 +4,8 @@
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/hoodoos/growth.h"
 #include "tafoni/landforms/site/ground.h"
+#include "tafoni/math/draw.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms::impl {
 
@@ -42,7 +44,7 @@ class Bedding final : public Surroundings {
   /// What lies just below a plane counts with the bed above it, so that no sliver is left.
   Bed at(double z) const {
     const double world = z + ground_.site().origin.z + sliver * thickness_;
-    auto k = static_cast<std::int64_t>(std::floor(world / thickness_));
+    auto k = floor_to<std::int64_t>(world / thickness_);
     while (plane(k) > world) --k;
     while (plane(k + 1) <= world) ++k;
     return {k, plane(k) - ground_.site().origin.z, plane(k + 1) - ground_.site().origin.z};
@@ -51,9 +53,7 @@ class Bedding final : public Surroundings {
     return (static_cast<double>(k) + uneven * unit(planes_, k)) * thickness_;
   }
   /// Uniform in [-1, 1).
-  static double unit(const Random& random, std::int64_t i) {
-    return static_cast<double>(random.at(static_cast<std::uint64_t>(i)) >> 11) * 0x1p-52 - 1;
-  }
+  static double unit(const Random& random, std::int64_t i) { return 2 * unit_real(random.at(i)) - 1; }
 
   const Ground& ground_;
   double thickness_, contrast_;

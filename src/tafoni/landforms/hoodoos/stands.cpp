@@ -11,8 +11,10 @@
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/site/spatial_hash.h"
 #include "tafoni/math/angle.h"
+#include "tafoni/math/draw.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/raster/distance.h"
 #include "tafoni/terrain/analysis.h"
 
@@ -39,13 +41,9 @@ constexpr double river_from = 0.6;                    // of the distance to rive
 /// Darts thrown at each cell of the Poisson-disk grid; fewer on large terrains.
 constexpr std::int64_t fewest_rounds = 4, most_rounds = 24, most_darts = 4'000'000;
 
-double fraction(std::uint64_t bits) {
-  return static_cast<double>(bits >> 11) * 0x1p-53;
-}
-
 float nearest(const raster::Grid<float>& grid, double col, double row) {
-  return grid.at(std::clamp(static_cast<int>(std::lround(col)), 0, grid.width() - 1),
-                 std::clamp(static_cast<int>(std::lround(row)), 0, grid.height() - 1));
+  return grid.at(std::clamp(round_to(col), 0, grid.width() - 1),
+                 std::clamp(round_to(row), 0, grid.height() - 1));
 }
 
 }  // namespace
@@ -133,8 +131,8 @@ std::vector<Vec3d> Stands::places(const std::vector<Vec3d>& taken) const {
   const Box3d& box = ground_.box();
   if (box.empty()) return {};
   const double cell = settings_.spacing * 0.7071;  // its diagonal is just shorter than the spacing
-  const auto columns = static_cast<std::int64_t>(std::ceil((box.hi.x - box.lo.x) / cell));
-  const auto rows = static_cast<std::int64_t>(std::ceil((box.hi.y - box.lo.y) / cell));
+  const auto columns = ceil_to<std::int64_t>((box.hi.x - box.lo.x) / cell);
+  const auto rows = ceil_to<std::int64_t>((box.hi.y - box.lo.y) / cell);
   const std::int64_t rounds = std::clamp(most_darts / (columns * rows), fewest_rounds, most_rounds);
   const Random random(seed_, Sub::darts);
   struct Dart {
@@ -155,8 +153,8 @@ std::vector<Vec3d> Stands::places(const std::vector<Vec3d>& taken) const {
       for (std::int64_t i = from * columns; i < to * columns; ++i) {
         darts[i].chance = 0;
         if (full[i] != 0) continue;
-        const Vec3d p{box.lo.x + cell * (static_cast<double>(i % columns) + fraction(number(i, 0))),
-                      box.lo.y + cell * (static_cast<double>(i / columns) + fraction(number(i, 1))), 0};
+        const Vec3d p{box.lo.x + cell * (static_cast<double>(i % columns) + unit_real(number(i, 0))),
+                      box.lo.y + cell * (static_cast<double>(i / columns) + unit_real(number(i, 1))), 0};
         darts[i] = {p, chance(p.x, p.y)};
       }
     });
@@ -166,7 +164,7 @@ std::vector<Vec3d> Stands::places(const std::vector<Vec3d>& taken) const {
       apart.insert(dart.at);
       full[i] = 1;
       const std::uint64_t lot = number(i, 2);
-      if (fraction(lot) < dart.chance) kept.emplace_back(mix64(lot), dart.at);
+      if (unit_real(lot) < dart.chance) kept.emplace_back(mix64(lot), dart.at);
     }
   }
   std::sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -15,6 +15,7 @@
 #include "tafoni/math/angle.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/raster/distance.h"
 
 namespace tafoni::landforms::impl {
@@ -205,8 +206,7 @@ class Shape {
     for (int i = 0; i < root_tries; ++i) {
       const Vec2d at = placement_.center(random_.uniform(0, pixels - 1), random_.uniform(0, pixels - 1));
       const Vec2d px = placement_.pixel(at.x, at.y);
-      const double in =
-          inside_->values.at(static_cast<int>(std::lround(px.x)), static_cast<int>(std::lround(px.y)));
+      const double in = inside_->values.at(round_to(px.x), round_to(px.y));
       const double share = in / deepest_;
       const double length = island_.size * p_.depth * (0.25 + 0.75 * share) * random_.uniform(0.45, 1.0);
       const double width = island_.size * random_.uniform(0.08, 0.2) * (0.5 + share);

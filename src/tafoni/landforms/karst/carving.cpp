@@ -11,8 +11,10 @@
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/karst/passages.h"
 #include "tafoni/landforms/rock/erosion.h"
+#include "tafoni/math/draw.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms::impl {
 namespace {
@@ -177,7 +179,7 @@ class Carver {
   /// In rock without beds the wall is scooped at random.
   void scallop(const Section& c, double hand) {
     if (random_.uniform() > scallop_chance) return;
-    const Vec3d at = wall(c, hand, static_cast<int>(random_.below(grooves)));
+    const Vec3d at = wall(c, hand, draw_index(random_, grooves));
     scoop(at, c.at, c.radius * random_.uniform(0.35, 0.6), 1.5 * s_.roughness * amplitude_);
   }
 
@@ -227,14 +229,14 @@ std::vector<Point> carve_room(const Chamber& room, const Ground& ground, Random 
   const double energy = 1.5 * amplitude / (0.638 * reach_in_radii * reach_in_radii * reach_in_radii);
   const double turn = random.uniform(0, 6.283), slim = random.uniform(0.6, 0.95);
   const Vec3d u{std::cos(turn), std::sin(turn), 0}, v{-u.y, u.x, 0};
-  const int layers = std::max(2, static_cast<int>(std::lround((roof - floor) / apart)));
+  const int layers = std::max(2, round_to((roof - floor) / apart));
   std::vector<Point> points;
   for (int k = 0; k < layers; ++k) {
     const double t = 1.0 * k / (layers - 1);
     const double z = floor + 0.4 * apart + (roof - floor - 0.8 * apart) * t;
     // Corbelled: a step in every second layer.
     const double shrunk = 1 - 0.5 * smoothstep(0.3, 1.1, 0.5 * std::floor(2 * t * 2) / 2 + 0.5 * t);
-    const int n = static_cast<int>(std::ceil(room.radius / apart));
+    const int n = ceil_to(room.radius / apart);
     for (int j = -n; j <= n; ++j)
       for (int i = -n; i <= n; ++i) {
         const double x = (i + random.uniform(-0.3, 0.3)) * apart, y = (j + random.uniform(-0.3, 0.3)) * apart;
@@ -270,11 +272,10 @@ std::vector<T> join(const std::vector<std::vector<T>>& parts) {
 /// a passage: where passages narrow or end they would leave closed pockets in the rock. `alone`: a point
 /// joins the field by itself; others then only widen its way. Gives whether any went.
 bool drop_pockets(const field::CompiledField& field, double breadth, bool alone, std::vector<Point>& points) {
-  constexpr std::size_t steps = 8;
+  constexpr int steps = 8;
   std::vector<Vec3d> ways;
   for (const Point& p : points)
-    for (std::size_t k = 0; k < steps; ++k)
-      ways.push_back(p.center + (p.from - p.center) * (static_cast<double>(k) / steps));
+    for (int k = 0; k < steps; ++k) ways.push_back(p.center + (p.from - p.center) * (1.0 * k / steps));
   std::vector<float> values(ways.size());
   parallel_blocks(std::ssize(ways), 8192, [&](std::int64_t begin, std::int64_t end) {
     field.values(std::span(ways).subspan(begin, end - begin), std::span(values).subspan(begin, end - begin));

@@ -166,8 +166,8 @@ class Chooser {
       float value = 0;
       Vec3f gradient;
       field_.gradients({&p, 1}, {&value, 1}, {&gradient, 1});
-      const double slope = std::min(steepest_fall, static_cast<double>(gradient.z));
-      p.z -= static_cast<double>(value) / slope;
+      const double slope = std::min<double>(steepest_fall, gradient.z);
+      p.z -= value / slope;
     }
     return p;
   }

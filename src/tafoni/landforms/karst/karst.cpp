@@ -11,6 +11,7 @@
 #include "tafoni/landforms/karst/percolation.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/math/angle.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms::landform_karst {
 namespace {
@@ -105,7 +106,7 @@ Facts facts_of(const Ground& ground, const impl::CaveSystem& caves, const field:
       .length("passage_length", caves.length)
       .count("networks", caves.networks)
       .count("connected_networks", std::count(open.begin(), open.end(), true))
-      .count("primitives", node ? static_cast<std::int64_t>(field::stats(node).primitives) : 0)
+      .count("primitives", node ? field::stats(node).primitives : 0)
       .length("greatest_depth", deepest);
   return facts;
 }
@@ -131,7 +132,7 @@ Result make(const Site& site, const Params& p, Progress& progress) {
   space.base_z = std::max(base, lowest + bottom_in_radii * size.radius);
   space.face_z = std::cos(exit_share * p.face_slope * degree);
   const double points = std::max(2.0, p.passage / (link_in_spacings * size.spacing));
-  space.points_per_seed = static_cast<std::size_t>(points);
+  space.points_per_seed = floor_to<std::size_t>(points);
   space.seed = site.seed;
   const impl::Percolation ways = impl::percolate(rock, ground, entrances, p, space, progress);
 

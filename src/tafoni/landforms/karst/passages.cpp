@@ -14,6 +14,7 @@
 #include "tafoni/landforms/site/spatial_hash.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms::impl {
 namespace {
@@ -225,7 +226,7 @@ class Shaper {
     const double step = place_step * size_.radius;
     for (std::int64_t i = 0; i + 1 < n; ++i) {
       const double span = length(point(i + 1) - point(i));
-      const int pieces = std::max(1, static_cast<int>(std::ceil(span / step)));
+      const int pieces = std::max(1, ceil_to(span / step));
       for (int k = 0; k < pieces + (i + 2 == n); ++k) {
         const double t = 1.0 * k / pieces;
         const double r0 = radius[i], r1 = radius[i + 1];

@@ -11,6 +11,7 @@
 #include "tafoni/landforms/site/steepest_slope.h"
 #include "tafoni/math/angle.h"
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/terrain/analysis.h"
 
 namespace tafoni::landforms::landform_overhang {
@@ -81,7 +82,7 @@ std::shared_ptr<const raster::Raster> faces(const Site& site, double slope, doub
   auto mask = std::make_shared<raster::Raster>(*site.heights);
   const Grid steepness = terrain::slope(*site.heights, progress);
   const double full = std::tan(slope * degree), none = std::tan(steep_from * slope * degree);
-  const int radius = std::clamp(static_cast<int>(std::lround(reach / site.heights->placement.dx)), 1, widest);
+  const int radius = std::clamp(round_to(reach / site.heights->placement.dx), 1, widest);
   for (std::size_t i = 0; i < steepness.size(); ++i)
     mask->values.values()[i] = static_cast<float>(smoothstep(none, full, double{steepness.values()[i]}));
   mask->values = spread(spread(mask->values, radius + 1, false), radius, true);

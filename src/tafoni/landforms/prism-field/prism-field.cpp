@@ -16,6 +16,7 @@
 #include "tafoni/landforms/rock/replacement.h"
 #include "tafoni/landforms/site/ground.h"
 #include "tafoni/landforms/site/region.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/volume/prism_convert.h"
 
 namespace tafoni::landforms::landform_prism_field {
@@ -247,12 +248,11 @@ class Digging {
     const auto down = [&](double v) {
       return (std::floor(v / spacing_ - off_lattice) + off_lattice) * spacing_;
     };
-    const volume::ColumnFrame frame{
-        {down(over.lo.x), down(over.lo.y), 0},
-        spacing_,
-        spacing_,
-        static_cast<int>(std::ceil((over.hi.x - down(over.lo.x)) / spacing_)) + 1,
-        static_cast<int>(std::ceil((over.hi.y - down(over.lo.y)) / spacing_)) + 1};
+    const volume::ColumnFrame frame{{down(over.lo.x), down(over.lo.y), 0},
+                                    spacing_,
+                                    spacing_,
+                                    ceil_to((over.hi.x - down(over.lo.x)) / spacing_) + 1,
+                                    ceil_to((over.hi.y - down(over.lo.y)) / spacing_) + 1};
     PrismFields fields(frame);
     const Vec3d half = room_.size() * 0.5;
     fields.apply(Tool::box(room_.center(), half + Vec3d{1e-6, 1e-6, 0}), Edit::add);

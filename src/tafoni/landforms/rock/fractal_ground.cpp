@@ -95,11 +95,10 @@ class LatticeFiller {
     // What the coarse values leave out of the terrain, column by column.
     const Vec3i n = volume_.size();
     std::vector<float> rest(std::int64_t{n.x} * n.y);
-    parallel_for(n.y, [&](std::int64_t j) {
+    parallel_for(n.y, [&](int j) {
       for (int i = 0; i < n.x; ++i)
-        rest[j * n.x + i] =
-            static_cast<float>(height(volume_.origin.x + volume_.spacing * i,
-                                      volume_.origin.y + volume_.spacing * static_cast<double>(j)));
+        rest[std::int64_t{j} * n.x + i] = static_cast<float>(
+            height(volume_.origin.x + volume_.spacing * i, volume_.origin.y + volume_.spacing * j));
     });
     ScalarGrid made({volume_.origin, volume_.spacing, n}, 0);
     const auto limit = static_cast<float>(limit_);

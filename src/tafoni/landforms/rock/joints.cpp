@@ -35,8 +35,8 @@ constexpr double open_gain = 2.5, open_loss = 0.6;
 Joints::Joints(double spacing, double width, std::uint64_t seed) : spacing_(spacing), width_(width) {
   Random random(seed, JointsStream::direction);
   const double first = random.uniform(0, pi);
-  for (std::size_t i = 0; i < sets_.size(); ++i) {
-    const double angle = first + joints_look::between_sets * static_cast<double>(i);
+  for (int i = 0; i < std::ssize(sets_); ++i) {
+    const double angle = first + joints_look::between_sets * i;
     const Vec3d along{std::cos(angle), std::sin(angle), 0};
     sets_[i] = {{-along.y, along.x, 0}, along, hash_combine(seed, i)};
   }

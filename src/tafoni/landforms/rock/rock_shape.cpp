@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "tafoni/math/lattice.h"
 #include "tafoni/math/noise.h"
 
 namespace tafoni::landforms::impl {
@@ -48,10 +49,8 @@ void RockShape::values(std::span<const Vec3d> points, std::span<float> out) cons
 Interval RockShape::range(const Box3d& box) const {
   const Range r = body_range(box);
   const double slack = margin() + 1e-3;
-  const auto clamped = [&](double v) {
-    return static_cast<float>(std::clamp(v, -texture_.amplitude, texture_.amplitude));
-  };
-  return {clamped(r.lo - slack), clamped(r.hi + slack)};
+  const double most = texture_.amplitude;
+  return rounded(std::clamp(r.lo - slack, -most, most), std::clamp(r.hi + slack, -most, most));
 }
 
 }  // namespace tafoni::landforms::impl

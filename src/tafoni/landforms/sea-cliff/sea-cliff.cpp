@@ -16,6 +16,7 @@
 #include "tafoni/landforms/sea-cliff/shore.h"
 #include "tafoni/landforms/site/ground.h"
 #include "tafoni/landforms/site/surface.h"
+#include "tafoni/math/counts.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
 #include "tafoni/math/whole.h"
@@ -310,7 +311,7 @@ class SeaCliff {
         },
         [&](std::size_t i, const float* values) {
           const auto first = std::find_if(values, values + probes, [](float f) { return f > 0; });
-          if (first != values + probes) lift[i] = want * (1 - static_cast<double>(first - values) / probes);
+          if (first != values + probes) lift[i] = want * (1 - ratio(first - values, probes));
         });
     return lift;
   }

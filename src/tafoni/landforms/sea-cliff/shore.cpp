@@ -48,8 +48,8 @@ raster::Raster Shore::exposure(Progress& progress) const {
   const auto wanted = strip(reach + 2);
   const auto grid = terrain::accessibility(heights, {s_.accessibility_radius, &wanted}, progress);
   open.values = raster::Grid<float>(grid.width(), grid.height());
-  parallel_blocks(grid.height(), 16, [&](std::int64_t begin, std::int64_t end) {
-    for (int row = static_cast<int>(begin); row < end; ++row)
+  parallel_blocks(grid.height(), 16, [&](int begin, int end) {
+    for (int row = begin; row < end; ++row)
       for (int col = 0; col < grid.width(); ++col) {
         float best = 0;
         for (int r = std::max(0, row - reach); r <= std::min(grid.height() - 1, row + reach); ++r)

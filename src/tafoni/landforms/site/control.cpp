@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tafoni/math/lattice.h"
 #include "tafoni/math/smoothstep.h"
 #include "tafoni/math/whole.h"
 
@@ -137,8 +138,7 @@ class Product final : public field::Function {
     }
     // Exact where the field is constant; elsewhere wider than rounding.
     constexpr double slack = 1e-6;
-    return {lo == 1 ? 1.f : static_cast<float>(std::max(0.0, lo - slack)),
-            static_cast<float>(std::min(1.0, hi + slack))};
+    return rounded(lo == 1 ? 1 : std::max(0.0, lo - slack), std::min(1.0, hi + slack));
   }
 
  private:

@@ -14,6 +14,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/field/chunks.h"
 #include "tafoni/landforms/site/spatial_hash.h"
+#include "tafoni/math/lattice.h"
 #include "tafoni/math/whole.h"
 
 namespace tafoni::landforms {
@@ -147,9 +148,9 @@ std::vector<Sample> project(const field::CompiledField& field, const SurfaceSamp
                             std::span<const Candidate> candidates) {
   std::vector<Vec3d> points;
   std::vector<std::uint32_t> which;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
+  for (std::uint32_t i = 0; i < candidates.size(); ++i) {
     points.push_back(candidates[i].position);
-    which.push_back(static_cast<std::uint32_t>(i));
+    which.push_back(i);
   }
   std::vector<float> values;
   std::vector<Vec3f> gradients;
@@ -205,11 +206,12 @@ class DartBoard {
     progress.begin("sampling the surface", kept_.size(), "tiles");
     for (int colour = 0; colour < 4; ++colour) {
       const int x0 = colour & 1, y0 = colour >> 1;
-      const std::int64_t across = (size_.x - x0 + 1) / 2, along = (size_.y - y0 + 1) / 2;
+      const int across = (size_.x - x0 + 1) / 2, along = (size_.y - y0 + 1) / 2;
       parallel_for(
-          across * along,
+          std::int64_t{across} * along,
           [&](std::int64_t i) {
-            column(x0 + 2 * static_cast<int>(i % across), y0 + 2 * static_cast<int>(i / across), progress);
+            const Vec3i at = sample_at({across, along, 1}, i);
+            column(x0 + 2 * at.x, y0 + 2 * at.y, progress);
           },
           progress);
     }

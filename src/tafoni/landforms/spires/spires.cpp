@@ -11,6 +11,7 @@
 #include "tafoni/landforms/site/region.h"
 #include "tafoni/landforms/site/spatial_hash.h"
 #include "tafoni/landforms/spires/towers.h"
+#include "tafoni/math/draw.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
 
@@ -183,7 +184,7 @@ class Spires {
     const double width = width_ * std::sqrt(tower.height / height_) *
                          (slim + stouter * stout + stoutest * std::pow(stout, few_stout));
     const double joint = joint_turn + joint_spread * random.uniform(-1, 1);
-    const int blocks = fewest_blocks + static_cast<int>(random.below(more_blocks));
+    const int blocks = fewest_blocks + draw_index(random, more_blocks);
     for (int i = 0; i < blocks; ++i) {
       tower.blocks.push_back(make_block(p, tower.height, width, joint, i == 0, random));
     }

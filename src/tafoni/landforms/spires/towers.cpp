@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tafoni/math/whole.h"
+
 namespace tafoni::landforms::impl {
 namespace {
 
@@ -52,8 +54,8 @@ Towers::Towers(std::vector<Tower> towers, const RockTexture& texture)
     widest = std::max(widest, reaches_.back().size().x);
   }
   cell_ = std::max(widest, std::max(box_.size().x, box_.size().y) / 512);
-  columns_ = static_cast<int>(box_.size().x / cell_) + 1;
-  rows_ = static_cast<int>(box_.size().y / cell_) + 1;
+  columns_ = floor_to(box_.size().x / cell_) + 1;
+  rows_ = floor_to(box_.size().y / cell_) + 1;
   cells_.resize(std::size_t{1} * columns_ * rows_);
   for (std::uint32_t i = 0; i < towers_.size(); ++i) {
     const auto [c0, c1, r0, r1] = cells(reaches_[i]);
@@ -76,7 +78,7 @@ Box3d Towers::reach(const Tower& tower) const {
 
 std::array<int, 4> Towers::cells(const Box3d& box) const {
   const auto at = [this](double v, double lo, int n) {
-    return static_cast<int>(std::clamp(std::floor((v - lo) / cell_), 0.0, static_cast<double>(n - 1)));
+    return floor_to(std::clamp((v - lo) / cell_, 0.0, n - 1.0));
   };
   return {at(box.lo.x, box_.lo.x, columns_), at(box.hi.x, box_.lo.x, columns_),
           at(box.lo.y, box_.lo.y, rows_), at(box.hi.y, box_.lo.y, rows_)};

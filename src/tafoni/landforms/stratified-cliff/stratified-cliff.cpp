@@ -14,6 +14,7 @@
 #include "tafoni/math/angle.h"
 #include "tafoni/math/noise.h"
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/terrain/analysis.h"
 
 namespace tafoni::landforms::landform_stratified_cliff {
@@ -68,8 +69,8 @@ raster::Grid<float> widen(const raster::Grid<float>& mask, int radius) {
   raster::Grid<float> a = mask, b(mask.width(), mask.height());
   const auto pass = [&](const auto& combine) {
     for (const bool along : {true, false}) {
-      parallel_blocks(a.height(), 16, [&](std::int64_t begin, std::int64_t end) {
-        for (int row = static_cast<int>(begin); row < end; ++row)
+      parallel_blocks(a.height(), 16, [&](int begin, int end) {
+        for (int row = begin; row < end; ++row)
           for (int col = 0; col < a.width(); ++col) b.at(col, row) = combine(along, col, row);
       });
       std::swap(a, b);
@@ -240,9 +241,8 @@ class Cliff {
   Result erode(const raster::Grid<float>& faces, const Box3d& box) {
     const Site& site = ground_.site();
     const raster::Placement& at = site.heights->placement;
-    const int behind =
-        std::max(1, static_cast<int>(std::ceil(behind_in_depths * p_.depth / ground_.pixel())));
-    const int around = std::max(1, static_cast<int>(around_share * behind));
+    const int behind = std::max(1, ceil_to(behind_in_depths * p_.depth / ground_.pixel()));
+    const int around = std::max(1, floor_to(around_share * behind));
     Region limits = site.region ? *site.region : Region{};
     if (site.valid) limits.limit_mask(valid());
     const bool limited = site.region || site.valid;

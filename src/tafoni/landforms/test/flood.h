@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "tafoni/landforms/test/site.h"
+#include "tafoni/math/lattice.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms::test {
 
@@ -16,15 +18,12 @@ struct Piece {
 /// 6-connected pieces of lattice points that are solid (or air).
 inline std::vector<Piece> pieces(const field::CompiledField& field, const Box3d& box, double step,
                                  bool solid) {
-  const auto count = [&](double lo, double hi) { return static_cast<std::size_t>((hi - lo) / step) + 1; };
-  const std::size_t nx = count(box.lo.x, box.hi.x), ny = count(box.lo.y, box.hi.y),
-                    nz = count(box.lo.z, box.hi.z);
+  const auto count = [&](double lo, double hi) { return floor_to((hi - lo) / step) + 1; };
+  const int nx = count(box.lo.x, box.hi.x), ny = count(box.lo.y, box.hi.y), nz = count(box.lo.z, box.hi.z);
   std::vector<Vec3d> points;
-  for (std::size_t k = 0; k < nz; ++k)
-    for (std::size_t j = 0; j < ny; ++j)
-      for (std::size_t i = 0; i < nx; ++i)
-        points.push_back(
-            box.lo + Vec3d{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)} * step);
+  for (int k = 0; k < nz; ++k)
+    for (int j = 0; j < ny; ++j)
+      for (int i = 0; i < nx; ++i) points.push_back(box.lo + to_double(Vec3i{i, j, k}) * step);
   const auto f = values(field, points);
   std::vector<bool> open(points.size());
   for (std::size_t n = 0; n < open.size(); ++n) open[n] = (f[n] > 0) == solid;
@@ -40,7 +39,7 @@ inline std::vector<Piece> pieces(const field::CompiledField& field, const Box3d&
       const std::size_t n = stack.back();
       stack.pop_back();
       ++piece.cells;
-      const std::size_t i = n % nx, j = n / nx % ny, k = n / nx / ny;
+      const auto [i, j, k] = sample_at({nx, ny, nz}, n);
       piece.at_rim |= i == 0 || j == 0 || k == 0 || i + 1 == nx || j + 1 == ny || k + 1 == nz;
       const auto visit = [&](bool within, std::size_t to) {
         if (!within || !open[to]) return;

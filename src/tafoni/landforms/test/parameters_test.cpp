@@ -14,6 +14,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/test/site.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms {
 namespace {
@@ -74,8 +75,8 @@ std::vector<Vec3d> probes(const Site& site) {
   const raster::Raster& heights = *site.heights;
   for (int i = 0; i < n; i += 2) {
     Vec3d& p = points[i];
-    const int col = std::clamp(static_cast<int>(p.x + 60), 0, heights.values.width() - 1);
-    const int row = std::clamp(static_cast<int>(45 - p.y), 0, heights.values.height() - 1);
+    const int col = std::clamp(floor_to(p.x + 60), 0, heights.values.width() - 1);
+    const int row = std::clamp(floor_to(45 - p.y), 0, heights.values.height() - 1);
     p.z = heights.values.at(col, row) + 0.1 * (p.z - 25);
   }
   return points;

@@ -13,6 +13,7 @@
 #include "tafoni/field/compiled.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/site/region.h"
+#include "tafoni/raster/sampled.h"
 
 namespace tafoni::landforms::test {
 
@@ -40,15 +41,9 @@ struct Coast {
       std::function<double(Vec3d)> rho = [](Vec3d) { return 0.3; },
       std::function<double(double, double)> elevation = nullptr)
       : rock(std::make_shared<const Rock>(std::move(rho))) {
-    auto raster = std::make_shared<raster::Raster>();
-    raster->placement = {-width / 2.0, height / 2.0, 1, 1};
-    raster->values = raster::Grid<float>(width, height);
-    for (int row = 0; row < height; ++row)
-      for (int col = 0; col < width; ++col) {
-        const Vec2d at = raster->placement.center(col, row);
-        raster->values.at(col, row) =
-            static_cast<float>(elevation ? elevation(at.x, at.y) : ground(at.x, at.y));
-      }
+    const raster::Placement placement{-width / 2.0, height / 2.0, 1, 1};
+    const auto raster = std::make_shared<raster::Raster>(
+        raster::sampled(width, height, placement, elevation ? elevation : ground));
     site.origin = {500000, 4000000, 0};
     site.heights = raster;
     site.terrain = field::heightfield(raster, {});

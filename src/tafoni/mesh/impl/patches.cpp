@@ -9,6 +9,7 @@
 
 #include <meshoptimizer.h>
 
+#include "tafoni/math/counts.h"
 #include "tafoni/mesh/inner/size32.h"
 
 namespace tafoni::mesh::impl {
@@ -22,7 +23,7 @@ class LocalNumbers {
 
   std::uint32_t operator()(std::uint32_t global) {
     const std::size_t mask = slots_.size() - 1;
-    std::size_t at = static_cast<std::size_t>(global * 0x9e3779b1u) & mask;
+    std::size_t at = (global * 0x9e3779b1u) & mask;
     while (slots_[at].global != empty && slots_[at].global != global) at = (at + 1) & mask;
     if (slots_[at].global == empty) {
       slots_[at] = {global, inner::size32(globals_)};
@@ -103,7 +104,7 @@ std::vector<Patch> cut(std::span<const Vec3f> positions, std::span<const Triangl
   // A corner places a triangle as well as its middle does.
   Box3f box;
   for (const Triangle& t : triangles) box.expand(positions[t[0]]);
-  const double count = std::max(1.0, static_cast<double>(triangles.size()) / static_cast<double>(wanted));
+  const double count = std::max(1.0, ratio(triangles.size(), wanted));
   const double width = box.size().x, depth = box.size().y;
   const double side = std::max({std::sqrt(width * depth / count), width / 1000, depth / 1000, 1e-6});
   const auto columns = static_cast<std::size_t>(width / side + 2),

@@ -9,8 +9,11 @@
 #include <gtest/gtest.h>
 
 #include "tafoni/core/test/errors.h"
+#include "tafoni/field/each_point.h"
 #include "tafoni/field/function.h"
 #include "tafoni/field/tree.h"
+#include "tafoni/math/lattice.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/mesh/convexity.h"
 #include "tafoni/mesh/cubes.h"
 #include "tafoni/mesh/metrics.h"
@@ -26,11 +29,11 @@ class Distance final : public field::Function {
  public:
   explicit Distance(double (*d)(Vec3d)) : d_(d) {}
   void values(std::span<const Vec3d> points, std::span<float> out) const override {
-    for (std::size_t i = 0; i < points.size(); ++i) out[i] = static_cast<float>(d_(points[i]));
+    field::each_point(points, out, d_);
   }
   Interval range(const Box3d& box) const override {
     const double middle = d_(box.center()), way = length(box.size()) / 2 + 1e-3;
-    return {static_cast<float>(middle - way), static_cast<float>(middle + way)};
+    return rounded(middle - way, middle + way);
   }
 
  private:
@@ -82,7 +85,7 @@ Mesh mesh_of(const Known& known, double voxel) {
 /// its four corners lose. Edges of a polygonized box lose as much of each cross-section.
 double cut_corners(double half_x, double half_y, double voxel) {
   const auto value = [&](int i, int j) { return std::min(half_x - i * voxel, half_y - j * voxel); };
-  const int n = 3 + static_cast<int>(std::max(half_x, half_y) / voxel);
+  const int n = 3 + floor_to(std::max(half_x, half_y) / voxel);
   double length = 0;
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {

@@ -9,6 +9,7 @@
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/errors.h"
+#include "tafoni/math/counts.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
 #include "tafoni/surface/dense_grid.h"
@@ -23,9 +24,7 @@ Mesh surface(int nx, int ny, int nz, const F& f) {
   std::vector<float> values;
   for (int k = 0; k < nz; ++k)
     for (int j = 0; j < ny; ++j)
-      for (int i = 0; i < nx; ++i)
-        values.push_back(static_cast<float>(
-            f(Vec3d{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)})));
+      for (int i = 0; i < nx; ++i) values.push_back(static_cast<float>(f(to_double(Vec3i{i, j, k}))));
   Mesh mesh;
   surface::polygonize_grid({values.data(), nx, ny, nz, 1.0}, true, mesh);
   return mesh;
@@ -103,9 +102,7 @@ TEST(Simplify, KeepsManifoldnessAndOpenBorders) {
     SimplifyStats stats;
     const Mesh small = simplify(mesh, {.error = error, .normals = {}}, silent(), &stats);
     EXPECT_THAT(defects(validate(small)), IsEmpty()) << error;
-    EXPECT_LT(static_cast<double>(small.triangles.size()),
-              static_cast<double>(mesh.triangles.size()) * (error < 0.5 ? 0.6 : 0.4))
-        << error;
+    EXPECT_LT(ratio(small.triangles.size(), mesh.triangles.size()), error < 0.5 ? 0.6 : 0.4) << error;
     EXPECT_LT(stats.patches_rejected, stats.patches / 2);
     EXPECT_TRUE(border(small) == border(mesh));
     EXPECT_GT(stats.patches, 8u);

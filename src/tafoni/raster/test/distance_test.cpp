@@ -33,14 +33,12 @@ unsigned mix(unsigned a, unsigned b, unsigned c) {
 
 TEST(SignedDistance, EqualsBruteForceOnRandomMasks) {
   for (unsigned seed = 0; seed < 60; ++seed) {
-    const int width = 1 + static_cast<int>(mix(seed, 1, 1) % 37),
-              height = 1 + static_cast<int>(mix(seed, 2, 1) % 29);
+    const int width = 1 + mix(seed, 1, 1) % 37, height = 1 + mix(seed, 2, 1) % 29;
     const double dx = seed % 3 == 0 ? 10 : 1, dy = seed % 2 == 0 ? 25 : 1;
     const unsigned share = mix(seed, 3, 1);
     Grid<std::uint8_t> mask(width, height);
     for (int r = 0; r < height; ++r)
-      for (int c = 0; c < width; ++c)
-        mask.at(c, r) = mix(static_cast<unsigned>(c), static_cast<unsigned>(r), seed) > share;
+      for (int c = 0; c < width; ++c) mask.at(c, r) = mix(c, r, seed) > share;
     const Grid<float> got = signed_distance(mask, dx, dy);
     for (int r = 0; r < height; ++r)
       for (int c = 0; c < width; ++c) {

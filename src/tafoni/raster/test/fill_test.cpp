@@ -5,19 +5,14 @@
 #include <gmock/gmock.h>
 
 #include "tafoni/core/test/errors.h"
+#include "tafoni/raster/sampled.h"
 
 namespace tafoni::raster {
 namespace {
 
 template <class F>
 Raster make(int width, int height, double dx, double dy, F&& f) {
-  Raster out{Grid<float>(width, height), {0, height * dy, dx, dy}, ""};
-  for (int r = 0; r < height; ++r)
-    for (int c = 0; c < width; ++c) {
-      const Vec2d p = out.placement.center(c, r);
-      out.values.at(c, r) = static_cast<float>(f(p.x, p.y));
-    }
-  return out;
+  return sampled(width, height, {0, height * dy, dx, dy}, f);
 }
 void punch(Raster& raster, double col, double row, double radius) {
   for (int r = 0; r < raster.height(); ++r)
@@ -28,7 +23,7 @@ double worst(const Raster& got, const Raster& want) {
   double out = 0;
   for (std::size_t i = 0; i < got.values.size(); ++i) {
     const float d = std::abs(got.values.values()[i] - want.values.values()[i]);
-    out = std::isnan(d) ? 1e30 : std::max(out, static_cast<double>(d));
+    out = std::isnan(d) ? 1e30 : std::max<double>(out, d);
   }
   return out;
 }

@@ -4,17 +4,16 @@
 
 #include <gmock/gmock.h>
 
+#include "tafoni/math/counts.h"
+#include "tafoni/raster/sampled.h"
+
 namespace tafoni::raster {
 namespace {
 
 template <class F>
 Raster make(int width, int height, Placement placement, F&& f) {
-  Raster out{Grid<float>(width, height), placement, "crs"};
-  for (int r = 0; r < height; ++r)
-    for (int c = 0; c < width; ++c) {
-      const Vec2d p = placement.center(c, r);
-      out.values.at(c, r) = static_cast<float>(f(p.x, p.y));
-    }
+  Raster out = sampled(width, height, placement, f);
+  out.crs = "crs";
   return out;
 }
 double plane(double x, double y) {
@@ -29,7 +28,7 @@ TEST(Sample, ReproducesAPlaneBetweenCentresAndPixelsAtThem) {
       EXPECT_NEAR(sample_bicubic(r, x, y), plane(x, y), 1e-4);
     }
   const Vec2d p = r.placement.center(3, 4);
-  EXPECT_EQ(sample_bicubic(r, p.x, p.y), static_cast<double>(r.values.at(3, 4)));
+  EXPECT_EQ(sample_bicubic(r, p.x, p.y), r.at(3, 4));
 }
 
 TEST(Sample, ContinuesTheNearestValueBeyondTheRim) {
@@ -52,14 +51,10 @@ TEST(Resample, AverageKeepsTheMeanForAnyRatio) {
   const Raster source = make(60, 42, {10, 500, 1, 1}, [](double x, double y) {
     return std::sin(x * 1.7) * 10 + std::cos(y * 2.3) * 7;
   });
-  double want = 0;
-  for (const float v : source.values.values()) want += static_cast<double>(v);
-  want /= static_cast<double>(source.values.size());
+  const double want = mean(source.values.values());
   for (const auto& [w, h] : {std::pair{10, 7}, std::pair{7, 5}, std::pair{60, 42}, std::pair{1, 1}}) {
     const Raster got = resample(source, {10, 500, 60.0 / w, 42.0 / h}, w, h, Resampling::average);
-    double mean = 0;
-    for (const float v : got.values.values()) mean += static_cast<double>(v);
-    EXPECT_NEAR(mean / (w * h), want, 1e-4) << w;
+    EXPECT_NEAR(mean(got.values.values()), want, 1e-4) << w;
     EXPECT_EQ(got.crs, "crs");
   }
 }

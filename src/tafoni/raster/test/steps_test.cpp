@@ -12,7 +12,7 @@ double hills(double x, double y) {
 }
 template <class F>
 Raster make(int size, F&& f) {
-  Raster out{Grid<float>(size, size), {0, static_cast<double>(size), 1, 1}, ""};
+  Raster out{Grid<float>(size, size), {0, 1.0 * size, 1, 1}, ""};
   for (int r = 0; r < size; ++r)
     for (int c = 0; c < size; ++c) out.values.at(c, r) = static_cast<float>(f(c, r));
   return out;
@@ -20,7 +20,7 @@ Raster make(int size, F&& f) {
 double rms(const Raster& a, const Raster& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.values.size(); ++i)
-    sum += std::pow(static_cast<double>(a.values.values()[i] - b.values.values()[i]), 2);
+    sum += std::pow(a.values.values()[i] - b.values.values()[i], 2);
   return std::sqrt(sum / static_cast<double>(a.values.size()));
 }
 /// Root mean square of second differences: what the eye sees as terraces.
@@ -28,8 +28,7 @@ double roughness(const Raster& a) {
   double sum = 0;
   for (int r = 0; r < a.height(); ++r)
     for (int c = 1; c + 1 < a.width(); ++c)
-      sum += std::pow(
-          static_cast<double>(a.values.at(c - 1, r) - 2 * a.values.at(c, r) + a.values.at(c + 1, r)), 2);
+      sum += std::pow(a.values.at(c - 1, r) - 2 * a.values.at(c, r) + a.values.at(c + 1, r), 2);
   return std::sqrt(sum / static_cast<double>(a.values.size()));
 }
 

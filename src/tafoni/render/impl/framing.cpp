@@ -117,10 +117,10 @@ Outlook best_direction(const World& world, Vec3f eye, float room) {
     const double a = heading * 2 * pi / headings;
     return to_float(normalized(Vec3d{std::sin(a), std::cos(a), look_down}));
   };
-  parallel_for(headings, [&](std::int64_t i) {
+  parallel_for(headings, [&](int i) {
     View view;
     view.eye = eye;
-    view.forward = direction(static_cast<int>(i));
+    view.forward = direction(i);
     const Vec3f right = normalized(cross(view.forward, Vec3f{0, 0, 1}));
     const auto half = static_cast<float>(std::tan(inside_fov / 2));
     view.right = right * (half * 16 / 9);

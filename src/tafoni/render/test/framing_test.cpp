@@ -6,6 +6,7 @@
 
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/errors.h"
+#include "tafoni/math/draw.h"
 #include "tafoni/render/render.h"
 #include "tafoni/render/test/shapes.h"
 
@@ -39,13 +40,12 @@ TEST(Frame, HoldsTheWholeMeshAndFillsThePicture) {
   Random random(4);
   for (int round = 0; round < 30; ++round) {
     mesh::Mesh mesh = terrain(24, random.uniform(0, 2 * pi));
-    const Vec3f stretch{static_cast<float>(random.uniform(0.2, 20)),
-                        static_cast<float>(random.uniform(0.2, 20)),
-                        static_cast<float>(random.uniform(0.1, 20))};
+    const Vec3f stretch{draw_float(random, 0.2, 20), draw_float(random, 0.2, 20),
+                        draw_float(random, 0.1, 20)};
     for (Vec3f& p : mesh.positions) p = {p.x * stretch.x, p.y * stretch.y, p.z * stretch.z};
     RenderSettings settings;
-    settings.width = static_cast<int>(random.uniform(200, 2000));
-    settings.height = static_cast<int>(random.uniform(200, 2000));
+    settings.width = 200 + draw_index(random, 1800);
+    settings.height = 200 + draw_index(random, 1800);
     if (round % 2) settings.elevation = random.uniform(-0.5, 1.4);
     const Extent extent = project(mesh, Scene(mesh).frame(settings), settings);
     EXPECT_FALSE(extent.behind);

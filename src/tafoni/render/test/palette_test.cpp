@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tafoni/core/random.h"
+#include "tafoni/math/draw.h"
 
 namespace tafoni::render {
 namespace {
@@ -11,10 +12,10 @@ GroundLook random_point(Random& random) {
   GroundLook s;
   s.position = {random.uniform(-500, 500), random.uniform(-500, 500), random.uniform(-100, 300)};
   s.normal = to_float(normalized(Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}));
-  s.resistance = static_cast<float>(random.uniform());
-  s.height_above_sea = static_cast<float>(random.uniform(-20, 200));
+  s.resistance = draw_float(random, 0, 1);
+  s.height_above_sea = draw_float(random, -20, 200);
   s.roofed = random.below(2) == 1;
-  s.spacing = static_cast<float>(random.uniform(0.1, 30));
+  s.spacing = draw_float(random, 0.1, 30);
   return s;
 }
 

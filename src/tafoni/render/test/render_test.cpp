@@ -7,6 +7,7 @@
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/test/errors.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/render/test/shapes.h"
 
 namespace tafoni::render {
@@ -27,8 +28,7 @@ const std::array<std::uint8_t, 4>& pixel_at(const raster::Image& image, const Ca
   const Vec3d d = world - camera.eye;
   const double tan_y = std::tan(camera.fov / 2), tan_x = tan_y * image.width() / image.height();
   const double x = dot(d, r) / (tan_x * dot(d, f)), y = dot(d, u) / (tan_y * dot(d, f));
-  return image.at(static_cast<int>((x + 1) / 2 * image.width()),
-                  static_cast<int>((1 - y) / 2 * image.height()));
+  return image.at(floor_to((x + 1) / 2 * image.width()), floor_to((1 - y) / 2 * image.height()));
 }
 
 RenderSettings small() {

@@ -3,13 +3,14 @@
 
 #include <cmath>
 
+#include "tafoni/mesh/inner/size32.h"
 #include "tafoni/mesh/mesh.h"
 
 namespace tafoni::render {
 
 /// Adds an axis-aligned box, facing out; `inward` turns it inside out, which makes a room.
 inline void add_box(mesh::Mesh& mesh, Vec3f lo, Vec3f hi, bool inward = false) {
-  const auto base = static_cast<std::uint32_t>(mesh.positions.size());
+  const auto base = mesh::inner::size32(mesh.positions);
   for (unsigned i = 0; i < 8; ++i)
     mesh.positions.push_back({i & 1u ? hi.x : lo.x, i & 2u ? hi.y : lo.y, i & 4u ? hi.z : lo.z});
   static constexpr std::uint32_t quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
@@ -30,7 +31,7 @@ inline void add_flat_box(mesh::Mesh& mesh, Vec3f lo, Vec3f hi, std::array<std::u
   for (const auto& t : box.triangles) {
     const Vec3f a = box.positions[t[0]], b = box.positions[t[1]], c = box.positions[t[2]];
     const Vec3f n = normalized(cross(b - a, c - a));
-    const auto base = static_cast<std::uint32_t>(mesh.positions.size());
+    const auto base = mesh::inner::size32(mesh.positions);
     for (const Vec3f p : {a, b, c}) {
       mesh.positions.push_back(p);
       mesh.normals.push_back(n);
@@ -53,8 +54,8 @@ inline mesh::Mesh terrain(int n, double cliff_azimuth) {
     }
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) {
-      const auto a = static_cast<std::uint32_t>(j * (n + 1) + i), b = a + 1;
-      const auto c = a + static_cast<std::uint32_t>(n) + 1, d = c + 1;
+      const std::uint32_t a = j * (n + 1) + i, b = a + 1;
+      const std::uint32_t c = a + n + 1, d = c + 1;
       mesh.triangles.push_back({a, b, d});
       mesh.triangles.push_back({a, d, c});
     }

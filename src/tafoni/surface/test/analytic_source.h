@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "tafoni/field/chunks.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/surface/polygonize.h"
 
 namespace tafoni::surface::test {
@@ -27,7 +28,7 @@ class AnalyticSource : public SampleSource {
     constexpr int n = field::chunk_cells;
     out.chunk = {a_, b_, c};
     out.f.assign(std::size_t{S::nx} * S::ny * S::nz, 1e30f);
-    const auto at = [](int i, int j, int k) { return static_cast<std::size_t>((k * S::ny + j) * S::nx + i); };
+    const auto at = [](int i, int j, int k) { return (k * S::ny + j) * S::nx + i; };
     for (int k = 0; k <= n; ++k)
       for (int j = 0; j <= n; ++j)
         for (int i = 0; i <= n; ++i)
@@ -66,7 +67,7 @@ class AnalyticSource : public SampleSource {
   }
 
  private:
-  int chunk_of(double z) const { return static_cast<int>(std::floor(z / voxel_ / field::chunk_cells)); }
+  int chunk_of(double z) const { return floor_to(z / voxel_ / field::chunk_cells); }
 
   Function f_;
   double voxel_;

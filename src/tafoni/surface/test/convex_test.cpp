@@ -27,7 +27,7 @@ struct Cell {
 
 /// Where a corner of the unit cell lies.
 Vec3d corner_at(int c) {
-  return {static_cast<double>(c & 1), static_cast<double>((c >> 1) & 1), static_cast<double>(c >> 2)};
+  return to_double(Vec3i{c & 1, (c >> 1) & 1, c >> 2});
 }
 
 Cell make_cell(const std::array<double, 8>& f) {

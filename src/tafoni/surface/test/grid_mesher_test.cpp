@@ -11,6 +11,7 @@
 
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/errors.h"
+#include "tafoni/math/draw.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
 #include "tafoni/surface/dense_grid.h"
@@ -33,8 +34,8 @@ ScalarGrid ground(const GridFrame& frame, Precision precision = Precision::singl
   ScalarGrid grid(frame, 0, precision);
   const double middle = (frame.box().lo.z + frame.box().hi.z) / 2;
   grid.edit(grid.samples(), [&](Vec3i first, std::span<float> row) {
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      const Vec3d p = frame.position(first + Vec3i{static_cast<int>(i), 0, 0});
+    for (int i = 0; i < std::ssize(row); ++i) {
+      const Vec3d p = frame.position(first + Vec3i{i, 0, 0});
       const double hill = middle + 3 * std::sin(0.21 * p.x) * std::cos(0.17 * p.y) - p.z;
       const double caves =
           5 * (std::sin(0.3 * p.x) * std::cos(0.27 * p.y) + std::sin(0.25 * p.y + 0.3 * p.z));
@@ -85,7 +86,7 @@ TEST(GridMesher, TheAssembledMeshIsThatOfTheDenseGrid) {
   for (const Vec3i size : {Vec3i{97, 70, 65}, Vec3i{33, 34, 20}, Vec3i{12, 66, 32}}) {
     const GridFrame frame{{}, 0.75, size};
     const ScalarGrid grid = ground(frame);
-    std::vector<float> samples(static_cast<std::size_t>(size.x) * size.y * size.z);
+    std::vector<float> samples(sample_count(size));
     grid.read(grid.samples(), samples.data());
     mesh::Mesh dense;
     polygonize_grid({samples.data(), size.x, size.y, size.z, frame.spacing}, true, dense);
@@ -140,7 +141,7 @@ SampleBox edit_at_random(ScalarGrid& grid, Random& random) {
     case 3: {
       const SampleBox near = grid.samples_in({p, p});
       return grid.edit(near, [&](Vec3i, std::span<float> row) {
-        for (float& v : row) v = static_cast<float>(random.uniform(-amplitude, amplitude));
+        for (float& v : row) v = draw_float(random, -amplitude, amplitude);
       });
     }
     default:
@@ -328,8 +329,8 @@ TEST(GridMesher, AFlatSurfaceHasOnePolygonAVoxel) {
   const GridFrame frame{{}, 1, {40, 40, 40}};
   ScalarGrid grid(frame, 0);
   grid.edit(grid.samples(), [&](Vec3i first, std::span<float> row) {
-    for (std::size_t i = 0; i < row.size(); ++i)
-      row[i] = static_cast<float>(18.3 + 0.31 * (first.x + static_cast<int>(i)) - 0.17 * first.y - first.z);
+    for (int i = 0; i < std::ssize(row); ++i)
+      row[i] = static_cast<float>(18.3 + 0.31 * (first.x + i) - 0.17 * first.y - first.z);
   });
   GridMesher mesher({Boundary::open, true});
   mesher.update(grid, {});

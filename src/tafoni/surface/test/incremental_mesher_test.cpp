@@ -161,14 +161,14 @@ void compare(const PolygonizeSettings& settings, Edited scene, int edits) {
     const bool all = mesher.stats().chunks >= before.size();
     partial += !all;
     for (const auto& change : changes) {
-      EXPECT_EQ(change.version, static_cast<std::uint64_t>(i) + 2);
+      EXPECT_EQ(change.version, i + 2u);
       const bool near = std::any_of(boxes.begin(), boxes.end(),
                                     [&](const Box3d& b) { return touches(change.chunk, b, settings.voxel); });
       EXPECT_TRUE(near || all);
     }
   }
   // Only an edit that moves the bounds of the field may look at everything.
-  EXPECT_GE(partial, static_cast<std::uint64_t>(edits) * 7 / 10);
+  EXPECT_GE(partial, edits * 7u / 10);
 }
 
 TEST(Incremental, EqualsMeshingAnewInAnOpenRegion) {

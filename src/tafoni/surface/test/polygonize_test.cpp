@@ -9,6 +9,7 @@
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/errors.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
 #include "tafoni/surface/test/analytic_source.h"
@@ -92,9 +93,7 @@ TEST(Polygonize, RandomSignsGiveAClosedManifold) {
     const auto noise = [=](Vec3d p) {
       for (double c : {p.x, p.y, p.z})
         if (std::abs(c) > 34) return -1.0;
-      const auto bits = [](double v) {
-        return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::lround(v)));
-      };
+      const auto bits = [](double v) { return round_to<std::uint64_t>(v); };
       Random random(seed, hash_combine(bits(p.x), hash_combine(bits(p.y), bits(p.z))));
       // Some samples are exactly 0 and some differ by orders of magnitude, to strain vertex placement.
       const double size = random.below(10) == 0 ? 0 : std::pow(10.0, random.uniform(-6, 1));

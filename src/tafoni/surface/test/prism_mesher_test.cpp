@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "tafoni/core/test/errors.h"
+#include "tafoni/math/counts.h"
+#include "tafoni/math/draw.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
 #include "tafoni/volume/prism_convert.h"
@@ -199,10 +201,10 @@ TEST(PrismMesh, ColumnsReachThreeCellsDownAndTwoUp) {
     }
     PrismMesher before, after;
     before.update(fields, {});
-    const int i = 11 + static_cast<int>(random.below(10));
-    const float cut = static_cast<float>(random.uniform(1, 9));
+    const int i = 11 + draw_index(random, 10);
+    const float cut = draw_float(random, 1, 9);
     const std::vector<Matter> now{{0, cut}, {cut + 0.5f, 10}};
-    fields.set_column(i, static_cast<int>(random.below(9)), std::span(now).first(random.below(3)));
+    fields.set_column(i, draw_index(random, 9), std::span(now).first(random.below(3)));
     after.update(fields, {});
     above[16 - i] += !same(before.chunk({1, 0, 0}), after.chunk({1, 0, 0}));
     below[i - 15] += !same(before.chunk({0, 0, 0}), after.chunk({0, 0, 0}));
@@ -227,7 +229,7 @@ TEST(PrismMesh, ChunksAreWhatAFullUpdateMakes) {
     const auto before = copy_chunks(kept);
     const auto changes = kept.update(fields, changed);
     // It names those that differ from before, in order, and they are near.
-    const std::uint64_t version = 2 + static_cast<std::uint64_t>(n);
+    const std::uint64_t version = 2 + n;
     std::vector<ChunkChange> differing;
     for (const auto& [name, was] : before) {
       const Vec3i at{name[1], name[0], 0};
@@ -265,8 +267,7 @@ TEST(PrismMesh, ChunksAreWhatAFullUpdateMakes) {
     }
   // The whole divides triangles where matter touches itself.
   EXPECT_LE(triangles, whole.triangles.size());
-  EXPECT_NEAR(static_cast<double>(triangles), static_cast<double>(whole.triangles.size()),
-              0.01 * static_cast<double>(triangles));
+  EXPECT_NEAR(ratio(triangles, whole.triangles.size()), 1, 0.01);
 }
 
 // The leaf of construction trees and the mesh have the same surface.
@@ -291,7 +292,7 @@ TEST(PrismMesh, IsTheZeroSetOfTheLeaf) {
     }
   }
   // Walls that matter covers from both sides are in the mesh alone.
-  EXPECT_LT(static_cast<double>(off), 0.01 * static_cast<double>(triangles));
+  EXPECT_LT(ratio(off, triangles), 0.01);
 }
 
 // Sheets hold as long as they are thicker than spacing * sin(slope), and no longer.

@@ -8,10 +8,12 @@
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/errors.h"
+#include "tafoni/field/each_point.h"
 #include "tafoni/field/function.h"
 #include "tafoni/field/tree.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
+#include "tafoni/raster/sampled.h"
 #include "tafoni/surface/polygonize.h"
 
 namespace tafoni::surface {
@@ -22,14 +24,8 @@ using testing::IsEmpty;
 /// Hills of 320 m by 320 m, riddled by spheres near their surface.
 struct Hills {
   Hills() {
-    heights = std::make_shared<raster::Raster>();
-    heights->values = raster::Grid<float>(64, 64);
-    heights->placement = {.west = -160, .north = 160, .dx = 5, .dy = 5};
-    for (int row = 0; row < 64; ++row)
-      for (int col = 0; col < 64; ++col) {
-        const Vec2d p = heights->placement.center(col, row);
-        heights->values.at(col, row) = static_cast<float>(height(p.x, p.y));
-      }
+    heights = std::make_shared<raster::Raster>(
+        raster::sampled(64, 64, {.west = -160, .north = 160, .dx = 5, .dy = 5}, height));
     field::CloudBuilder cloud{field::CloudSettings{}};
     Random random(3);
     for (int i = 0; i < 1500; ++i) {
@@ -133,7 +129,7 @@ class Cancelling final : public field::Function {
   void values(std::span<const Vec3d> points, std::span<float> out) const override {
     asked += points.size();
     progress_.cancel();
-    for (std::size_t i = 0; i < points.size(); ++i) out[i] = static_cast<float>(8 - length(points[i]));
+    field::each_point(points, out, [](Vec3d p) { return 8 - length(p); });
   }
   Interval range(const Box3d&) const override { return {-100, 100}; }
   mutable std::atomic<std::size_t> asked = 0;
@@ -150,7 +146,7 @@ TEST(FieldSource, CancellingEndsAChunkThatIsUnderWay) {
   settings.region = {{-10, -10, -10}, {10, 10, 10}};
   EXPECT_THAT(error_of([&] { polygonize(field, settings, progress); }), ::testing::HasSubstr("cancelled"));
   // A brick for each thread, of 512 in a chunk.
-  EXPECT_LE(slow->asked, static_cast<std::size_t>(thread_count()) * 2 * 729);
+  EXPECT_LE(slow->asked, std::size_t{2 * 729} * thread_count());
   EXPECT_GT(slow->asked, 0u);
 }
 

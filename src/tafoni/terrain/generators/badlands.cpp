@@ -10,6 +10,7 @@
 
 #include "tafoni/core/random.h"
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/raster/resample.h"
 #include "tafoni/terrain/analysis.h"
 #include "tafoni/terrain/generator.h"
@@ -145,8 +146,8 @@ class Builder {
   /// The plateau with its bowl, as it was before water cut it.
   raster::Raster valley() const {
     raster::Raster out;
-    const int columns = static_cast<int>(std::ceil(extent_.x / cell_)) + 1;
-    const int rows = static_cast<int>(std::ceil(extent_.y / cell_)) + 1;
+    const int columns = ceil_to(extent_.x / cell_) + 1;
+    const int rows = ceil_to(extent_.y / cell_) + 1;
     out.placement = {-0.5 * cell_, extent_.y + 0.5 * cell_, cell_, cell_};
     out.values = raster::Grid<float>(columns, rows);
     std::vector<Vec2d> at;

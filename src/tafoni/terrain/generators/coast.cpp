@@ -7,6 +7,7 @@
 
 #include "tafoni/core/random.h"
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/terrain/generator.h"
 #include "tafoni/terrain/impl/face.h"
 #include "tafoni/terrain/impl/plane_noise.h"
@@ -176,7 +177,7 @@ class Builder {
   }
 
   raster::Raster run(Progress& progress) {
-    progress.begin("coast", 3 * static_cast<std::uint64_t>(height_), "rows");
+    progress.begin("coast", 3 * height_, "rows");
     base_ = baseline();
     place_inlets();
     place_stacks();
@@ -184,7 +185,7 @@ class Builder {
     impl::drop_lagoons(shore_.inside.values);
     shore_.contour = impl::trace_contour(shore_.inside);
     foot_.contour = impl::trace_contour(foot_.inside);
-    progress.advance(static_cast<std::uint64_t>(height_));
+    progress.advance(height_);
     place_dolines();
     raster::Raster out = impl::fill_rows(
         p_, progress,
@@ -226,7 +227,7 @@ class Builder {
       const auto values = open_coast(points);
       land.insert(land.end(), values.begin(), values.end());
     }
-    const auto share = static_cast<std::ptrdiff_t>(p_.sea * (samples * samples - 1));
+    const auto share = floor_to(p_.sea * (samples * samples - 1));
     std::nth_element(land.begin(), land.begin() + share, land.end());
     return land[share];
   }
@@ -241,9 +242,7 @@ class Builder {
     return extent_.y;
   }
 
-  int per_length(double count) const {
-    return static_cast<int>(std::min(1e5, std::round(count * extent_.x / 1000)));
-  }
+  int per_length(double count) const { return round_to(std::min(1e5, count * extent_.x / 1000)); }
 
   void place_inlets() {
     Random random(seed_, Stream::inlets);
@@ -312,7 +311,7 @@ class Builder {
       return Reach{o.mouth, o.length + o.half_width};
     });
     const auto stacks = near(stacks_, y, [](const Stack& o) { return Reach{o.center, o.radius}; });
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    for (int i = 0; i < width_; ++i) {
       const Vec2d p = points[i] + Vec2d{jx[i], jy[i]} * look::jags;
       const double into_bay = (points[i].y - base_) / std::max(p_.bays, 1.0);
       const double width =
@@ -330,15 +329,15 @@ class Builder {
         sea = std::max(sea, island);
         rock = std::max(rock, island - look::stack_shelf);
       }
-      shore_.inside.values.row(row)[i] = static_cast<float>(sea);
-      foot_.inside.values.row(row)[i] = static_cast<float>(rock);
+      shore_.inside.values.at(i, row) = static_cast<float>(sea);
+      foot_.inside.values.at(i, row) = static_cast<float>(rock);
     }
   }
 
   void place_dolines() {
     Random random(seed_, Stream::dolines);
     const double hectares = extent_.x * extent_.y / 1e4;
-    const int tries = static_cast<int>(std::min(1e6, std::round(p_.dolines * hectares)));
+    const int tries = round_to(std::min(1e6, p_.dolines * hectares));
     const PlaneNoise clusters = noise(look::cluster_size, 2, Stream::clusters);
     for (int k = 0; k < tries; ++k) {
       const Vec2d c{random.uniform(0, extent_.x), random.uniform(0, extent_.y)};
@@ -348,8 +347,8 @@ class Builder {
       const bool collapsed = random.uniform() < look::collapsed;
       const bool wanted = random.uniform() < 0.5 + look::cluster_share * clusters.at(c);
       const Vec2d pixel = foot_.inside.placement.pixel(c.x, c.y);
-      const int col = std::clamp(static_cast<int>(std::lround(pixel.x)), 0, width_ - 1);
-      const int row = std::clamp(static_cast<int>(std::lround(pixel.y)), 0, height_ - 1);
+      const int col = std::clamp(round_to(pixel.x), 0, width_ - 1);
+      const int row = std::clamp(round_to(pixel.y), 0, height_ - 1);
       const double inland = foot_.distance(foot_.inside.values.index(col, row), c).first;
       if (wanted && inland > radius + look::doline_room) dolines_.push_back({c, radius, depth, collapsed});
     }

@@ -6,6 +6,7 @@
 
 #include "tafoni/core/random.h"
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/terrain/generator.h"
 #include "tafoni/terrain/impl/face.h"
 #include "tafoni/terrain/impl/plane_noise.h"
@@ -173,10 +174,9 @@ class Builder {
   void place_dolines(const impl::ValleyMap& map) {
     Random random(seed_, Stream::dolines);
     const double area = extent_.x * extent_.y / 1e6;
-    const auto tries =
-        static_cast<std::size_t>(std::min(1e5, std::round(look::doline_tries * p_.dolines * area)));
+    const int tries = round_to(std::min(1e5, look::doline_tries * p_.dolines * area));
     const PlaneNoise clusters = noise(look::cluster_size, 2, Stream::clusters);
-    for (std::size_t k = 0; k < tries; ++k) {
+    for (int k = 0; k < tries; ++k) {
       const Vec2d c{random.uniform(0, extent_.x), random.uniform(0, extent_.y)};
       const double size = random.uniform() * random.uniform();
       const double radius = p_.doline_size * (0.5 + 2.2 * size);

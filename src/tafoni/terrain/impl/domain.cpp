@@ -39,15 +39,15 @@ void box_blur(Grid<float>& rows, int radius) {
 /// Both directions work on blocks gathered so that the blur runs across rows, which is contiguous.
 void blur(Grid<float>& grid, int radius) {
   const int width = grid.width(), height = grid.height();
-  parallel_blocks(width, lines_a_block, [&](std::int64_t first, std::int64_t last) {
-    const int columns = static_cast<int>(last - first);
+  parallel_blocks(width, lines_a_block, [&](int first, int last) {
+    const int columns = last - first;
     Grid<float> block(columns, height);
     for (int row = 0; row < height; ++row) std::copy_n(grid.row(row) + first, columns, block.row(row));
     for (int pass = 0; pass < blur_passes; ++pass) box_blur(block, radius);
     for (int row = 0; row < height; ++row) std::copy_n(block.row(row), columns, grid.row(row) + first);
   });
-  parallel_blocks(height, lines_a_block, [&](std::int64_t first, std::int64_t last) {
-    const int top = static_cast<int>(first), rows = static_cast<int>(last) - top;
+  parallel_blocks(height, lines_a_block, [&](int top, int end) {
+    const int rows = end - top;
     Grid<float> block(rows, width);  // turned over: its rows are columns of the grid
     for (int row = 0; row < rows; ++row)
       for (int col = 0; col < width; ++col) block.at(row, col) = grid.at(col, top + row);

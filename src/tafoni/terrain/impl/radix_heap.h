@@ -46,9 +46,7 @@ class RadixHeap {
 
  private:
   /// Bucket 0 holds keys equal to last_; bucket b those whose highest bit that differs from it is b - 1.
-  std::size_t bucket(std::uint32_t key) const {
-    return static_cast<std::size_t>(std::bit_width(key ^ last_));
-  }
+  std::size_t bucket(std::uint32_t key) const { return std::bit_width(key ^ last_); }
 
   std::size_t first() const {
     std::size_t b = 0;

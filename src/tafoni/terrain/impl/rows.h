@@ -26,10 +26,7 @@ inline std::vector<Vec2d> row_points(const GridSettings& grid, int row) {
 /// Calls body(row, the row's points) for every row, from any thread.
 template <class Body>
 void for_rows(const GridSettings& grid, Progress& progress, const Body& body) {
-  const auto one = [&](std::int64_t i) {
-    const int row = static_cast<int>(i);
-    body(row, row_points(grid, row));
-  };
+  const auto one = [&](int row) { body(row, row_points(grid, row)); };
   parallel_for(grid.rows(), one, progress);
 }
 
@@ -40,8 +37,7 @@ raster::Raster fill_rows(const GridSettings& grid, Progress& progress, const Fil
   for_rows(grid, progress, [&](int row, const std::vector<Vec2d>& points) {
     std::vector<double> heights(points.size());
     fill(row, points, std::span(heights));
-    float* to = out.values.row(row);
-    for (std::size_t i = 0; i < heights.size(); ++i) to[i] = static_cast<float>(heights[i]);
+    for (int col = 0; col < out.width(); ++col) out.values.at(col, row) = static_cast<float>(heights[col]);
   });
   return out;
 }
@@ -50,7 +46,7 @@ raster::Raster fill_rows(const GridSettings& grid, Progress& progress, const Fil
 template <class Fill>
 raster::Raster by_rows(const GridSettings& grid, std::string_view stage, Progress& progress,
                        const Fill& fill) {
-  progress.begin(stage, static_cast<std::uint64_t>(grid.height), "rows");
+  progress.begin(stage, grid.height, "rows");
   raster::Raster out = fill_rows(grid, progress, fill);
   progress.end();
   return out;

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "tafoni/math/smoothstep.h"
+#include "tafoni/math/whole.h"
 #include "tafoni/terrain/impl/spread.h"
 
 namespace tafoni::terrain::impl {
@@ -99,21 +100,21 @@ void Valleys::add_main(double middle, double bed, double gradient, double half_w
 }
 
 std::uint64_t Valleys::cell(Vec2d p, int dx, int dy) const {
-  const auto x = static_cast<std::int64_t>(std::floor(p.x / cell_size_)) + dx;
-  const auto y = static_cast<std::int64_t>(std::floor(p.y / cell_size_)) + dy;
-  return static_cast<std::uint64_t>(x) * 0x100000001ull ^ static_cast<std::uint64_t>(y);
+  const auto x = floor_to<std::int64_t>(p.x / cell_size_) + dx;
+  const auto y = floor_to<std::int64_t>(p.y / cell_size_) + dy;
+  return x * 0x100000001ull ^ y;
 }
 
 void Valleys::occupy(std::size_t river) {
   // A point every quarter of a cell will do.
-  const auto stride = static_cast<std::size_t>(std::max(1.0, 0.25 * cell_size_ / step_));
+  const auto stride = floor_to(std::max(1.0, 0.25 * cell_size_ / step_));
   for (std::size_t i = 0; i < rivers_[river].size(); i += stride)
     visits_[cell(rivers_[river][i].position, 0, 0)].push_back(
         {static_cast<std::uint32_t>(river), static_cast<std::uint32_t>(i)});
 }
 
 bool Valleys::crowded(Vec2d p, double apart, std::size_t parent, Vec2d mouth) const {
-  const int n = std::clamp(static_cast<int>(std::ceil(apart / cell_size_)), 1, 8);
+  const int n = std::clamp(ceil_to(apart / cell_size_), 1, 8);
   for (int dy = -n; dy <= n; ++dy)
     for (int dx = -n; dx <= n; ++dx) {
       const auto found = visits_.find(cell(p, dx, dy));
@@ -158,7 +159,7 @@ River Valleys::side_valley(const SideValleys& sides, std::size_t parent, int i, 
                length = random.uniform(sides.length[0], sides.length[1]);
   const std::uint64_t own = random.next();
   if (river.size() < 4) return {};
-  const std::size_t k = std::clamp<std::size_t>(static_cast<std::size_t>(at), 1, river.size() - 1);
+  const std::size_t k = std::clamp<std::size_t>(floor_to(at), 1, river.size() - 1);
   const RiverPoint mouth = river[k];
   const Vec2d up = mouth.position - river[k > 6 ? k - 6 : 0].position;
   const double heading = std::atan2(up.y, up.x) + (i % 2 ? hand : -hand) * angle;
@@ -182,8 +183,7 @@ void Valleys::add_sides(const SideValleys& sides, int generation) {
   Random random(seed_, key);
   for (std::size_t parent = 0; parent < parents; ++parent) {
     const double whole = rivers_[parent].back().along;
-    const int wanted =
-        static_cast<int>(std::min(valleys_look::most_sides, std::round(sides.per_km * whole / 1000)));
+    const int wanted = round_to(std::min(valleys_look::most_sides, sides.per_km * whole / 1000));
     const double hand = random.uniform() < 0.5 ? 1 : -1;
     for (int i = 0; i < wanted; ++i) {
       River side = side_valley(sides, parent, i, wanted, hand, random);
@@ -206,20 +206,19 @@ ValleyMap::ValleyMap(const std::vector<River>& rivers, const Face& face, const r
     return foot_[i] + distance(points_[i].position, placement_.center(col, row));
   };
   Spread spread(best_, cost);
-  for (std::size_t i = 0; i < points_.size(); ++i) {
+  for (std::int32_t i = 0; i < std::ssize(points_); ++i) {
     // Points beyond the edge reach in by way of the nearest cell.
     const Vec2d at = placement_.pixel(points_[i].position.x, points_[i].position.y);
-    spread.offer(static_cast<int>(std::lround(std::clamp(at.x, 0.0, width - 1.0))),
-                 static_cast<int>(std::lround(std::clamp(at.y, 0.0, height - 1.0))),
-                 static_cast<std::int32_t>(i));
+    spread.offer(round_to(std::clamp(at.x, 0.0, width - 1.0)), round_to(std::clamp(at.y, 0.0, height - 1.0)),
+                 i);
   }
   spread.run();
 }
 
 ValleyMap::Place ValleyMap::at(Vec2d p) const {
   const Vec2d pixel = placement_.pixel(p.x, p.y);
-  const int col = static_cast<int>(std::lround(std::clamp(pixel.x, 0.0, best_.width() - 1.0)));
-  const int row = static_cast<int>(std::lround(std::clamp(pixel.y, 0.0, best_.height() - 1.0)));
+  const int col = round_to(std::clamp(pixel.x, 0.0, best_.width() - 1.0));
+  const int row = round_to(std::clamp(pixel.y, 0.0, best_.height() - 1.0));
   const std::int32_t i = best_.at(col, row);
   const double d = distance(points_[i].position, p), half = points_[i].half_width;
   return {foot_[i] + std::max(d, half), d - half, &points_[i]};

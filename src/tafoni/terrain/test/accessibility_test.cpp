@@ -16,7 +16,7 @@ namespace {
 double brute_radius(const raster::Raster& terrain, int col, int row, double max_radius) {
   const Vec2d g = impl::gradient(terrain, col, row);
   const Vec3d n = normalized(Vec3d{-g.x, -g.y, 1});
-  const double here = static_cast<double>(terrain.values.at(col, row));
+  const double here = terrain.at(col, row);
   const auto free = [&](double r) {
     const Vec3d center = n * r;
     for (int y = 0; y < terrain.height(); ++y)
@@ -25,7 +25,7 @@ double brute_radius(const raster::Raster& terrain, int col, int row, double max_
         if (std::isnan(h) || (x == col && y == row)) continue;
         const double dx = (x - col) * terrain.placement.dx - center.x;
         const double dy = (row - y) * terrain.placement.dy - center.y;
-        const double dz = std::max(center.z - (static_cast<double>(h) - here), 0.0);
+        const double dz = std::max(center.z - (h - here), 0.0);
         if (dx * dx + dy * dy + dz * dz < r * r) return false;
       }
     return true;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tafoni/math/counts.h"
 #include "tafoni/terrain/analysis.h"
 #include "tafoni/terrain/generator.h"
 
@@ -18,7 +19,7 @@ double share_steeper(const raster::Raster& heights, float than) {
   const auto steep = slope(heights);
   const auto n =
       std::count_if(steep.values().begin(), steep.values().end(), [than](float s) { return s > than; });
-  return static_cast<double>(n) / static_cast<double>(steep.size());
+  return ratio(n, steep.size());
 }
 
 class CanyonSeeds : public testing::TestWithParam<std::uint64_t> {};
@@ -30,10 +31,9 @@ TEST_P(CanyonSeeds, IsAMesaWithSteepWalls) {
   EXPECT_NEAR(*lowest, 1300, 3) << "the river at the southern edge";
   EXPECT_GT(*highest, 1540);
   EXPECT_LT(*highest, 1640);
-  const double mesa =
-      static_cast<double>(std::count_if(made.values.values().begin(), made.values.values().end(),
-                                        [](float h) { return h > 1480; })) /
-      static_cast<double>(made.values.size());
+  const double mesa = ratio(std::count_if(made.values.values().begin(), made.values.values().end(),
+                                          [](float h) { return h > 1480; }),
+                            made.values.size());
   EXPECT_GT(mesa, 0.4);
   EXPECT_LT(mesa, 0.9);
   EXPECT_GT(share_steeper(made, 1.7f), 0.1);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tafoni/math/counts.h"
 #include "tafoni/terrain/analysis.h"
 #include "tafoni/terrain/generator.h"
 #include "tafoni/terrain/impl/stencil.h"
@@ -16,7 +17,7 @@ raster::Raster coast(std::uint64_t seed, const Values& values = {}) {
 
 double share(const std::vector<float>& values, float least) {
   const auto n = std::count_if(values.begin(), values.end(), [&](float v) { return v > least; });
-  return static_cast<double>(n) / static_cast<double>(values.size());
+  return ratio(n, values.size());
 }
 
 /// Pieces of land above a height, by their sizes in cells.

@@ -13,7 +13,7 @@ namespace {
 double distance(const impl::Contour& contour, const raster::Raster& grid, int col, int row) {
   const auto i = contour.nearest.at(col, row);
   if (i < 0) return std::numeric_limits<double>::infinity();
-  const Vec2d p = grid.placement.center(col, row), q = contour.points[static_cast<std::size_t>(i)];
+  const Vec2d p = grid.placement.center(col, row), q = contour.points[i];
   return std::hypot(p.x - q.x, p.y - q.y);
 }
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tafoni/core/test/errors.h"
+#include "tafoni/math/draw.h"
 #include "tafoni/terrain/analysis.h"
 #include "tafoni/terrain/impl/radix_heap.h"
 #include "tafoni/terrain/impl/stencil.h"
@@ -98,7 +99,7 @@ TEST(Depressions, AMissingCellIsAnOutlet) {
 }
 
 TEST(Depressions, NothingAtAllIsFine) {
-  const auto none = surface(4, 3, 1, 1, [](double, double) { return static_cast<double>(raster::no_data); });
+  const auto none = surface(4, 3, 1, 1, [](double, double) { return raster::no_data; });
   const auto level = fill_depressions(none);
   for (float v : level.values()) EXPECT_TRUE(std::isnan(v));
 }
@@ -116,7 +117,7 @@ TEST(RadixHeap, SortsWhatOnlyRises) {
   std::uint32_t last = 0;
   for (int step = 0; step < 20000; ++step) {
     if (heap.empty() || random.uniform() < 0.52) {
-      const auto key = last + static_cast<std::uint32_t>(random.below(random.uniform() < 0.1 ? 100000 : 50));
+      const auto key = last + draw_index(random, random.uniform() < 0.1 ? 100000 : 50);
       heap.push(key, 0);
       waiting.push_back(key);
       std::push_heap(waiting.begin(), waiting.end(), std::greater<>());

@@ -27,7 +27,7 @@ std::vector<double> brute_area(const raster::Raster& terrain, double exponent) {
             [&](std::size_t i, std::size_t k) { return h.data()[i] > h.data()[k]; });
   std::vector<double> area(h.size(), terrain.placement.dx * terrain.placement.dy);
   for (std::size_t i : order) {
-    const int col = static_cast<int>(i) % h.width(), row = static_cast<int>(i) / h.width();
+    const auto [col, row] = impl::cell_of(h, i);
     std::vector<std::pair<std::size_t, double>> shares;
     double total = 0;
     for (int k = 0; k < 8; ++k) {
@@ -35,8 +35,7 @@ std::vector<double> brute_area(const raster::Raster& terrain, double exponent) {
       if (!h.inside(c, r) || !(h.at(c, r) < h.at(col, row))) continue;
       const double d = std::hypot(impl::neighbour_col[k] * terrain.placement.dx,
                                   impl::neighbour_row[k] * terrain.placement.dy);
-      const double share =
-          std::pow((static_cast<double>(h.at(col, row)) - static_cast<double>(h.at(c, r))) / d, exponent);
+      const double share = std::pow((terrain.at(col, row) - terrain.at(c, r)) / d, exponent);
       shares.emplace_back(h.index(c, r), share);
       total += share;
     }
@@ -78,7 +77,7 @@ TEST(Drainage, AllAreaArrivesAtTheOutlets) {
         const int c = col + impl::neighbour_col[k], r = row + impl::neighbour_row[k];
         lower |= area.inside(c, r) && terrain.values.at(c, r) < terrain.values.at(col, row);
       }
-      if (!lower) out += static_cast<double>(area.at(col, row));
+      if (!lower) out += area.at(col, row);
     }
   EXPECT_NEAR(out, 2500, 0.01);
 }

@@ -71,14 +71,14 @@ TEST(Sinks, AddUpToTheFilledVolume) {
     double volume = 0, area = 0;
     for (std::size_t i = 0; i < level.size(); ++i) {
       if (!(level.data()[i] > terrain.values.data()[i])) continue;
-      volume += static_cast<double>(level.data()[i]) - static_cast<double>(terrain.values.data()[i]);
+      volume += level.data()[i] - double{terrain.values.data()[i]};
       area += 1;
     }
     for (const Sink& sink : sinks(terrain)) {
       volume -= sink.volume;
       area -= sink.area;
-      EXPECT_EQ(static_cast<double>(terrain.values.at(sink.col, sink.row)), sink.elevation);
-      EXPECT_EQ(static_cast<double>(level.at(sink.col, sink.row)), sink.spill);
+      EXPECT_EQ(terrain.at(sink.col, sink.row), sink.elevation);
+      EXPECT_EQ(level.at(sink.col, sink.row), sink.spill);
       EXPECT_GT(sink.depth(), 0);
       EXPECT_LE(sink.volume, sink.depth() * sink.area + 1e-9);
     }

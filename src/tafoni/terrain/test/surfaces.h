@@ -5,22 +5,14 @@
 #include <functional>
 
 #include "tafoni/core/random.h"
-#include "tafoni/raster/grid.h"
+#include "tafoni/raster/sampled.h"
 
 namespace tafoni::terrain {
 
 /// h(x, y) at the pixel centres, x east and y north of the south-west corner.
 inline raster::Raster surface(int width, int height, double dx, double dy,
                               const std::function<double(double, double)>& h) {
-  raster::Raster out;
-  out.values = raster::Grid<float>(width, height);
-  out.placement = {0, height * dy, dx, dy};
-  for (int row = 0; row < height; ++row)
-    for (int col = 0; col < width; ++col) {
-      const Vec2d p = out.placement.center(col, row);
-      out.values.at(col, row) = static_cast<float>(h(p.x, p.y));
-    }
-  return out;
+  return raster::sampled(width, height, {0, height * dy, dx, dy}, h);
 }
 
 /// Random heights; `steps` > 0 rounds them so that flats and ties occur. A share of cells is missing.
@@ -28,8 +20,8 @@ inline raster::Raster rough(int width, int height, std::uint64_t seed, int steps
   Random random(seed);
   return surface(width, height, 1, 1, [&](double x, double y) {
     double h = 10 * random.uniform() + 0.1 * x + 0.05 * y;
-    if (steps > 0) h = static_cast<double>(static_cast<int>(h * steps / 10)) * 10 / steps;
-    return random.uniform() < holes ? static_cast<double>(raster::no_data) : h;
+    if (steps > 0) h = std::trunc(h * steps / 10) * 10 / steps;
+    return random.uniform() < holes ? raster::no_data : h;
   });
 }
 

@@ -6,6 +6,8 @@
 
 #include "tafoni/core/test/errors.h"
 #include "tafoni/field/compiled.h"
+#include "tafoni/math/whole.h"
+#include "tafoni/raster/sampled.h"
 
 namespace tafoni::terrain {
 namespace {
@@ -13,20 +15,13 @@ namespace {
 using testing::HasSubstr;
 
 raster::Raster hills(int width, int height, raster::Placement placement) {
-  raster::Raster out{raster::Grid<float>(width, height), placement, "EPSG:32630"};
-  for (int r = 0; r < height; ++r)
-    for (int c = 0; c < width; ++c) {
-      const Vec2d p = placement.center(c, r);
-      out.values.at(c, r) =
-          static_cast<float>(300 + 20 * std::sin((p.x - 500'000) / 40) + 0.1 * (p.y - 5'900'000));
-    }
+  raster::Raster out = raster::sampled(width, height, placement, [](double x, double y) {
+    return 300 + 20 * std::sin((x - 500'000) / 40) + 0.1 * (y - 5'900'000);
+  });
+  out.crs = "EPSG:32630";
   return out;
 }
 constexpr raster::Placement far_away{500'000, 5'900'200, 2, 2};
-
-double sample(const raster::Raster& r, int col, int row) {
-  return static_cast<double>(r.values.at(col, row));
-}
 
 TEST(MakeTerrain, PutsTheOriginOnTheVoxelLatticeNearTheMiddle) {
   const raster::Raster world = hills(120, 100, far_away);
@@ -41,7 +36,7 @@ TEST(MakeTerrain, PutsTheOriginOnTheVoxelLatticeNearTheMiddle) {
     const Vec2d w = far_away.center(17, 33);
     EXPECT_NEAR(p.x + t.origin.x, w.x, 1e-9);
     EXPECT_NEAR(p.y + t.origin.y, w.y, 1e-9);
-    EXPECT_NEAR(sample(*t.heights, 17, 33) + t.origin.z, sample(world, 17, 33), 2e-5);
+    EXPECT_NEAR(t.heights->at(17, 33) + t.origin.z, world.at(17, 33), 2e-5);
   }
 }
 
@@ -58,8 +53,8 @@ TEST(MakeTerrain, TheWholeRectangleReachesTheOuterBorderOfItsPixels) {
   EXPECT_DOUBLE_EQ(t.to_world(t.box.hi).y, 5'900'200);
   double lowest = 1e9, highest = -1e9;
   for (const float v : world.values.values()) {
-    lowest = std::min(lowest, static_cast<double>(v));
-    highest = std::max(highest, static_cast<double>(v));
+    lowest = std::min<double>(lowest, v);
+    highest = std::max<double>(highest, v);
   }
   EXPECT_LE(t.to_world(t.box.lo).z, lowest - options.settings.influence - 40);
   EXPECT_GE(t.to_world(t.box.hi).z, highest + options.settings.influence);
@@ -102,7 +97,7 @@ TEST(MakeTerrain, ARaggedBorderBecomesASmoothOne) {
     const auto coast = [&](int row) {
       int c = 0;
       while (!t.valid->at(c, row)) ++c;
-      const double before = sample(*t.inside, c - 1, row), after = sample(*t.inside, c, row);
+      const double before = t.inside->at(c - 1, row), after = t.inside->at(c, row);
       return c - after / (after - before);
     };
     longest = std::max(longest, std::abs(coast(r) - coast(r - 1)));
@@ -132,7 +127,7 @@ TEST(MakeTerrain, PolygonsWithHolesCutTheDomain) {
   const Terrain t = make_terrain(world, 0.5, options);
   const auto at = [&](double x, double y) {
     const Vec2d p = far_away.pixel(x, y);
-    return t.inside->values.at(static_cast<int>(std::lround(p.x)), static_cast<int>(std::lround(p.y)));
+    return t.inside->values.at(round_to(p.x), round_to(p.y));
   };
   EXPECT_FLOAT_EQ(at(500'061, 5'900'101), 1.5f);
   EXPECT_FLOAT_EQ(at(500'059, 5'900'101), -0.5f);
@@ -168,7 +163,7 @@ TEST(TerrainTree, IsTheSmallerOfTheHeightfieldAndTheDomain) {
   const field::CompiledField f = field::compile(terrain_tree(t, settings));
   const auto value = [&](int col, int row, double above) {
     const Vec2d p = t.heights->placement.center(col, row);
-    return f.value({p.x, p.y, sample(*t.heights, col, row) + above});
+    return f.value({p.x, p.y, t.heights->at(col, row) + above});
   };
   const auto T = static_cast<float>(settings.amplitude);
   EXPECT_NEAR(value(80, 50, 0), 0, 1e-4);

@@ -204,11 +204,11 @@ void PrismCells::split(const std::array<std::size_t, 4>& columns, std::int32_t r
     if (std::any_of(gaps_.begin(), gaps_.begin() + n, [&](const Gap& g) { return g.set == set; })) continue;
     Slab lower = whole;
     std::array<std::int32_t, 4> next = floor;
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (int k = 0; k < 4; ++k) {
       if (!(whole.corners >> k & 1)) continue;
       Range at{-1, -1};
       for (const Gap& g : gaps_) {
-        if (g.set != set || g.corner != static_cast<int>(k)) continue;
+        if (g.set != set || g.corner != k) continue;
         if (at.first < 0) at.first = g.ends.first;
         at.last = g.ends.last;
       }
@@ -218,7 +218,7 @@ void PrismCells::split(const std::array<std::size_t, 4>& columns, std::int32_t r
         int best = -1;
         float least = 0;
         for (const Node& node : nodes_) {
-          if (node.root != root || node.corner != static_cast<int>(k)) continue;
+          if (node.root != root || node.corner != k) continue;
           const Matter& m = matter(columns[k], node.interval);
           const float off = std::max({m.bottom - middle, middle - m.top, 0.0f});
           if (best < 0 || off < least) best = node.interval, least = off;

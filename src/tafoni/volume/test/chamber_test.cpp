@@ -85,8 +85,8 @@ TEST(Chamber, WithoutNoiseItIsSmoothAndTurns) {
     for (int z = 0; z < n.z; ++z)
       for (int y = 0; y < n.y; ++y)
         for (int x = 1; x + 1 < n.x; ++x)
-          most = std::max(most, std::abs(static_cast<double>(g.at({x - 1, y, z}) - 2 * g.at({x, y, z}) +
-                                                             g.at({x + 1, y, z}))));
+          most = std::max<double>(most,
+                                  std::abs(g.at({x - 1, y, z}) - 2 * g.at({x, y, z}) + g.at({x + 1, y, z})));
     return most;
   };
   // Over a cell values swing by two half cells at most: the four-point rule bends them by as much over one

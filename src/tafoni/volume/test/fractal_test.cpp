@@ -10,6 +10,7 @@
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/errors.h"
+#include "tafoni/math/draw.h"
 
 namespace tafoni::volume {
 namespace {
@@ -54,7 +55,7 @@ TEST(Fractal, IsTheFlatPlaneWithoutNoise) {
   for (int z = 0; z < n.z; ++z)
     for (int y = 0; y < n.y; ++y)
       for (int x = 0; x < n.x; ++x)
-        ASSERT_EQ(v[place(n, x, y, z)], 1 - static_cast<float>(z) / 32) << x << ' ' << y << ' ' << z;
+        ASSERT_EQ(v[place(n, x, y, z)], 1 - z / 32.0) << x << ' ' << y << ' ' << z;
 }
 
 TEST(Fractal, KeepsAnyTiltedPlaneExactly) {
@@ -67,8 +68,7 @@ TEST(Fractal, KeepsAnyTiltedPlaneExactly) {
   const Vec3i n = s.size();
   for (int z = 0; z < n.z; ++z)
     for (int y = 0; y < n.y; ++y)
-      for (int x = 0; x < n.x; ++x)
-        ASSERT_EQ(v[place(n, x, y, z)], static_cast<float>(x - 2 * y + 3 * z - 5));
+      for (int x = 0; x < n.x; ++x) ASSERT_EQ(v[place(n, x, y, z)], x - 2 * y + 3 * z - 5);
 }
 
 /// The rule as it is stated, one axis after another, without boxes, kernels or threads.
@@ -111,7 +111,7 @@ TEST(Fractal, FollowsTheFourPointRule) {
   Random random(3);
   std::vector<double> coarse;
   for (int i = 0; i < 6 * 3 * 4; ++i) {
-    s.coarse.push_back(static_cast<float>(random.uniform(-1, 1)));
+    s.coarse.push_back(draw_float(random, -1, 1));
     coarse.push_back(s.coarse.back());
   }
   const auto v = all(Fractal(s));
@@ -147,8 +147,8 @@ TEST(Fractal, AnyPartOnAnyThreadsHasTheSameBits) {
   for (int round = 0; round < 200; ++round) {
     SampleBox box;
     const auto side = [&](int size, int& lo, int& hi) {
-      lo = static_cast<int>(random.below(size));
-      hi = lo + static_cast<int>(random.below(size - lo));
+      lo = draw_index(random, size);
+      hi = lo + draw_index(random, size - lo);
     };
     side(n.x, box.lo.x, box.hi.x);
     side(n.y, box.lo.y, box.hi.y);
@@ -309,8 +309,7 @@ TEST(Fractal, ALimitSavesMemoryAndChangesNothingElse) {
   EXPECT_LT(limited.full_chunks(), free.full_chunks() / 2);
   Random random(1);
   for (int i = 0; i < 20000; ++i) {
-    const Vec3i at{static_cast<int>(random.below(n.x)), static_cast<int>(random.below(n.y)),
-                   static_cast<int>(random.below(n.z))};
+    const Vec3i at{draw_index(random, n.x), draw_index(random, n.y), draw_index(random, n.z)};
     ASSERT_EQ(limited.at(at), std::clamp(free.at(at), -0.25f, 0.25f));
   }
 }

@@ -20,8 +20,8 @@ ScalarGrid hollow(const GridFrame& frame, Precision precision = Precision::singl
   const Vec3d middle = frame.box().center();
   Random random(5);
   grid.edit(grid.samples(), [&](Vec3i first, std::span<float> row) {
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      const Vec3d p = frame.position(first + Vec3i{static_cast<int>(i), 0, 0});
+    for (int i = 0; i < std::ssize(row); ++i) {
+      const Vec3d p = frame.position(first + Vec3i{i, 0, 0});
       const double ground = 6 * std::sin(p.x * 0.11) * std::cos(p.y * 0.07) - (p.z - middle.z);
       const double cave = length(p - middle + Vec3d{0, 0, 9}) - 8;
       const double bump = std::abs(ground) < 7 ? random.uniform(-0.4, 0.4) : 0;
@@ -71,7 +71,7 @@ TEST(GridFunction, RangeEnclosesValuesEverywhere) {
     }
     if (half.x > 0.5 || half.y > 0.5 || half.z > 0.5) continue;
     ++small;
-    slack += static_cast<double>((range.hi - range.lo) - (seen.hi - seen.lo));
+    slack += (range.hi - range.lo) - (seen.hi - seen.lo);
   }
   // A box of less than a cell reads 8 to 27 samples; its range must be of their magnitude, not of the grid's.
   ASSERT_GT(small, 50);
@@ -115,9 +115,7 @@ TEST(GridFunction, GradientsAreThoseOfTheTrilinearFunction) {
     Vec3f g;
     field.gradients({&p, 1}, {&value, 1}, {&g, 1});
     EXPECT_EQ(bits(value), bits(field.value(p)));
-    const auto slope = [&](Vec3d d) {
-      return static_cast<double>(grid.value(p + d * h) - grid.value(p - d * h)) / (2 * h);
-    };
+    const auto slope = [&](Vec3d d) { return (grid.value(p + d * h) - grid.value(p - d * h)) / (2 * h); };
     EXPECT_NEAR(g.x, slope({1, 0, 0}), 2e-4);
     EXPECT_NEAR(g.y, slope({0, 1, 0}), 2e-4);
     EXPECT_NEAR(g.z, slope({0, 0, 1}), 2e-4);

@@ -6,6 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "tafoni/core/test/errors.h"
+#include "tafoni/field/each_point.h"
+#include "tafoni/math/draw.h"
+#include "tafoni/raster/sampled.h"
 #include "tafoni/volume/sample.h"
 #include "tafoni/volume/test/random_tools.h"
 
@@ -13,14 +16,8 @@ namespace tafoni::volume {
 namespace {
 
 raster::Raster hills() {
-  raster::Raster r;
-  r.placement = {-10, 20, 0.5, 0.25};
-  r.values = raster::Grid<float>(60, 80);
-  for (int row = 0; row < 80; ++row)
-    for (int col = 0; col < 60; ++col) {
-      const Vec2d at = r.placement.center(col, row);
-      r.values.at(col, row) = static_cast<float>(3 + std::sin(0.5 * at.x) + 0.1 * at.y);
-    }
+  raster::Raster r = raster::sampled(60, 80, {-10, 20, 0.5, 0.25},
+                                     [](double x, double y) { return 3 + std::sin(0.5 * x) + 0.1 * y; });
   r.values.at(7, 5) = raster::no_data;
   return r;
 }
@@ -54,10 +51,10 @@ TEST(PrismConvert, HeightsBecomeColumns) {
 class Shell final : public field::Function {
  public:
   void values(std::span<const Vec3d> points, std::span<float> out) const override {
-    for (std::size_t n = 0; n < points.size(); ++n) {
-      const double r = length(points[n] - Vec3d{1, 2, 3});
-      out[n] = static_cast<float>(std::min(5 - r, r - 2.5));
-    }
+    field::each_point(points, out, [](Vec3d p) {
+      const double r = length(p - Vec3d{1, 2, 3});
+      return std::min(5 - r, r - 2.5);
+    });
   }
   Interval range(const Box3d&) const override { return {-100, 100}; }
 };
@@ -124,7 +121,7 @@ TEST(PrismFunction, AgreesWithTheColumns) {
     const ColumnFrame& frame = fields.frame();
     std::int64_t wrong = 0, all = 0;
     for (int n = 0; n < 4000; ++n) {
-      const int i = 1 + static_cast<int>(random.below(29)), j = 1 + static_cast<int>(random.below(23));
+      const int i = 1 + draw_index(random, 29), j = 1 + draw_index(random, 23);
       const double z = random.uniform(7, 17);
       // Beside the column, so that no wall that ends there makes it the surface.
       const Vec3d p{frame.x(i) + 1e-7, frame.y(j) + 1e-7, z};
@@ -161,11 +158,8 @@ TEST(PrismFunction, IsTheDistanceToPlanesAndWalls) {
   EXPECT_FLOAT_EQ(at({-0.5, 5, 4}), -0.5f);
   EXPECT_FLOAT_EQ(at({-3, -4, 4}), -3);
   // On a slope of 3 in 4.
-  raster::Raster slope;
-  slope.placement = {0, 20, 1, 1};
-  slope.values = raster::Grid<float>(20, 20);
-  for (int row = 0; row < 20; ++row)
-    for (int col = 0; col < 20; ++col) slope.values.at(col, row) = static_cast<float>(0.75 * (col + 0.5));
+  const raster::Raster slope =
+      raster::sampled(20, 20, {0, 20, 1, 1}, [](double x, double) { return 0.75 * x; });
   const field::FunctionPtr g = as_function(prism_from(slope, -10), {.reach = 3, .floor = -10});
   const Vec3d p{10, 10, 7.5 + 1.25};
   float v;

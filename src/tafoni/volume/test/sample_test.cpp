@@ -13,7 +13,10 @@
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/errors.h"
+#include "tafoni/field/each_point.h"
 #include "tafoni/field/test/lattice.h"
+#include "tafoni/math/draw.h"
+#include "tafoni/math/lattice.h"
 
 namespace tafoni::volume {
 namespace {
@@ -37,12 +40,12 @@ class Shape : public field::Function {
  public:
   virtual double at(Vec3d p) const = 0;
   void values(std::span<const Vec3d> points, std::span<float> out) const override {
-    for (std::size_t i = 0; i < points.size(); ++i) out[i] = static_cast<float>(at(points[i]));
+    field::each_point(points, out, [this](Vec3d p) { return at(p); });
   }
   /// All of these change by at most one a metre.
   Interval range(const Box3d& box) const override {
     const double reach = length(box.size()) / 2, middle = at(box.center());
-    return {static_cast<float>(middle - reach - 1e-3), static_cast<float>(middle + reach + 1e-3)};
+    return rounded(middle - reach - 1e-3, middle + reach + 1e-3);
   }
 };
 struct Sphere final : Shape {
@@ -62,7 +65,7 @@ TEST(Sample, HoldsTheFieldsBits) {
     const ScalarGrid grid = sample(field, frame);
     Random random(3);
     for (int i = 0; i < 20000; ++i) {
-      const auto index = [&](int n) { return std::min(static_cast<int>(random.uniform(0, n)), n - 1); };
+      const auto index = [&](int n) { return draw_index(random, n); };
       const Vec3i s{index(frame.size.x), index(frame.size.y), index(frame.size.z)};
       ASSERT_EQ(bits(grid.at(s)), bits(field.value(frame.position(s)))) << s.x << " " << s.y << " " << s.z;
     }

@@ -13,7 +13,9 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/errors.h"
+#include "tafoni/math/draw.h"
 #include "tafoni/math/half.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::volume {
 namespace {
@@ -44,7 +46,7 @@ void for_samples(const SampleBox& box, const F& visit) {
 }
 
 SampleBox random_box(Random& random, Vec3i size, int side) {
-  const auto below = [&](int n) { return static_cast<int>(random.below(n)); };
+  const auto below = [&](int n) { return draw_index(random, n); };
   SampleBox box;
   box.lo = {below(size.x), below(size.y), below(size.z)};
   box.hi = {std::min(size.x - 1, box.lo.x + below(side)), std::min(size.y - 1, box.lo.y + below(side)),
@@ -114,7 +116,7 @@ void edit_at_random(Precision precision) {
     const auto change = [&](Vec3i s, float old) {
       const std::uint64_t h = hash_combine(step, hash_combine(s.x, s.y * 1000 + s.z));
       if (step % 5 == 0) return 2.5f;
-      return h % 3 ? old : static_cast<float>(static_cast<double>(h >> 11) * 0x1p-53 * 200 - 100);
+      return h % 3 ? old : static_cast<float>(unit_real(h) * 200 - 100);
     };
     if (step % 2) {
       values.clear();
@@ -135,8 +137,7 @@ void edit_at_random(Precision precision) {
             {std::max(expected.hi.x, s.x), std::max(expected.hi.y, s.y), std::max(expected.hi.z, s.z)}};
       });
       const SampleBox got = grid.edit(box, [&](Vec3i first, std::span<float> row) {
-        for (std::size_t i = 0; i < row.size(); ++i)
-          row[i] = change({first.x + static_cast<int>(i), first.y, first.z}, row[i]);
+        for (int i = 0; i < std::ssize(row); ++i) row[i] = change({first.x + i, first.y, first.z}, row[i]);
       });
       ASSERT_EQ(got, expected);
     }
@@ -167,7 +168,7 @@ TEST(ScalarGrid, ReadsBeyondTheFrameGiveTheNearestSample) {
     ScalarGrid grid(frame, 0, precision);
     Mirror mirror(frame, 0, precision);
     Random random(3);
-    for (float& v : mirror.values) v = mirror.stored(static_cast<float>(random.uniform(-3, 3)));
+    for (float& v : mirror.values) v = mirror.stored(draw_float(random, -3, 3));
     grid.write(grid.samples(), mirror.values.data());
     for (const SampleBox& box : {SampleBox{{-7, -3, -2}, {45, 26, 12}}, SampleBox{{-9, 2, 3}, {-4, 5, 5}},
                                  SampleBox{{37, 19, 8}, {44, 23, 10}}, SampleBox{{30, 5, 5}, {34, 5, 5}}}) {
@@ -188,7 +189,7 @@ TEST(ScalarGrid, ValuesAreTrilinear) {
     ScalarGrid grid(frame, 0, precision);
     Mirror mirror(frame, 0, precision);
     Random random(4);
-    for (float& v : mirror.values) v = mirror.stored(static_cast<float>(random.uniform(-3, 3)));
+    for (float& v : mirror.values) v = mirror.stored(draw_float(random, -3, 3));
     grid.write(grid.samples(), mirror.values.data());
     std::vector<Vec3d> points;
     for (int i = 0; i < 20000; ++i) {
@@ -207,14 +208,12 @@ TEST(ScalarGrid, ValuesAreTrilinear) {
       };
       const auto slope = [](double x, int n, int s) {
         if (x < 0 || x > n - 1) return 0.0;
-        const int cell = std::min(static_cast<int>(x), n - 2);
+        const int cell = std::min(floor_to(x), n - 2);
         return s == cell ? -1.0 : s == cell + 1 ? 1.0 : 0.0;
       };
       double truth = 0;
       Vec3d gradient;
-      const auto first = [](double x, int n) {
-        return std::clamp(static_cast<int>(std::floor(x)), 0, n - 2);
-      };
+      const auto first = [](double x, int n) { return std::clamp(floor_to(x), 0, n - 2); };
       const Vec3i c{first(u.x, frame.size.x), first(u.y, frame.size.y), first(u.z, frame.size.z)};
       for_samples({c, c + Vec3i{1, 1, 1}}, [&](Vec3i s) {
         const double v = mirror.at(s);
@@ -237,7 +236,7 @@ TEST(ScalarGrid, LatticePointsHaveTheSampleItself) {
   ScalarGrid grid(frame, 0);
   Random random(5);
   std::vector<float> values(34 * 5 * 6);
-  for (float& v : values) v = static_cast<float>(random.uniform(-1, 1));
+  for (float& v : values) v = draw_float(random, -1, 1);
   grid.write(grid.samples(), values.data());
   for_samples(grid.samples(), [&](Vec3i s) { EXPECT_EQ(grid.value(frame.position(s)), grid.at(s)); });
 }
@@ -283,15 +282,14 @@ TEST(ScalarGrid, CopiesAreReadWhileTheOriginalIsEdited) {
   std::atomic<int> wrong{0};
   for (int step = 1; step <= 60; ++step) {
     // Every sample of a copy has one value, and those of the next copy another.
-    grid.edit(grid.samples(), [&](Vec3i, std::span<float> row) {
-      std::fill(row.begin(), row.end(), static_cast<float>(step));
-    });
-    readers.emplace_back([copy = grid, step, &wrong] {
+    const auto value = static_cast<float>(step);
+    grid.edit(grid.samples(), [&](Vec3i, std::span<float> row) { std::fill(row.begin(), row.end(), value); });
+    readers.emplace_back([copy = grid, value, &wrong] {
       const Interval range = copy.range(copy.frame().box());
-      wrong += range.lo != static_cast<float>(step) || range.hi != static_cast<float>(step);
+      wrong += range.lo != value || range.hi != value;
       std::vector<float> all(70 * 40 * 40);
       copy.read(copy.samples(), all.data());
-      for (float v : all) wrong += v != static_cast<float>(step);
+      for (float v : all) wrong += v != value;
     });
   }
   for (std::thread& reader : readers) reader.join();
@@ -341,8 +339,7 @@ TEST(ScalarGrid, FillGivesMemoryBack) {
   for (const Precision precision : {Precision::single, Precision::half}) {
     ScalarGrid grid({{0, 0, 0}, 1, {70, 64, 40}}, 1, precision);
     grid.edit(grid.samples(), [](Vec3i first, std::span<float> row) {
-      for (std::size_t i = 0; i < row.size(); ++i)
-        row[i] = static_cast<float>(first.x + first.y + first.z + static_cast<int>(i));
+      for (int i = 0; i < std::ssize(row); ++i) row[i] = static_cast<float>(first.x + first.y + first.z + i);
     });
     const ScalarGrid before = grid;
     const SampleBox box{{5, 0, 0}, {69, 63, 35}};

@@ -7,6 +7,7 @@
 
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/errors.h"
+#include "tafoni/math/draw.h"
 
 namespace tafoni::volume {
 namespace {
@@ -117,7 +118,7 @@ TEST(Tool, HullAgreesWithBruteForce) {
   for (int round = 0; round < 40; ++round) {
     Random r(4, static_cast<std::uint64_t>(round));
     std::vector<Vec3d> points;
-    const int count = 4 + static_cast<int>(r.below(9));
+    const int count = 4 + draw_index(r, 9);
     // Every other round on a small whole lattice: many points in a plane, in a line, and twice the same.
     for (int i = 0; i < count; ++i) {
       Vec3d p = within(r, around);

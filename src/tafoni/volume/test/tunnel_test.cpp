@@ -54,8 +54,8 @@ TEST(Tunnel, DistanceIsThatOfTheSweptSpheres) {
 ScalarGrid brute_force(ScalarGrid grid, std::span<const Tunnel> tunnels, double reach) {
   const GridFrame frame = grid.frame();
   grid.edit(grid.samples(), [&](Vec3i first, std::span<float> row) {
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      const Vec3d p = frame.position(first + Vec3i{static_cast<int>(i), 0, 0});
+    for (int i = 0; i < std::ssize(row); ++i) {
+      const Vec3d p = frame.position(first + Vec3i{i, 0, 0});
       for (const Tunnel& t : tunnels) {
         const double d = distance(t, p);
         if (d < reach) row[i] = std::min(row[i], static_cast<float>(d));
@@ -89,8 +89,8 @@ TEST(Tunnel, CarvingEqualsBruteForce) {
     ScalarGrid grid(frame, 4);
     // Open already: a slit beside the tunnel, with rock behind it.
     grid.edit(grid.samples(), [&](Vec3i first, std::span<float> row) {
-      for (std::size_t i = 0; i < row.size(); ++i) {
-        const int x = first.x + static_cast<int>(i);
+      for (int i = 0; i < std::ssize(row); ++i) {
+        const int x = first.x + i;
         if (std::abs(x - 30) < 12 && first.y == 24) row[i] = -5;
         if (first.z > 40) row[i] = -1;
       }

@@ -7,6 +7,8 @@
 #include "tafoni/landforms/canyon/streams.h"
 #include "tafoni/landforms/site/surface.h"
 #include "tafoni/landforms/test/site.h"
+#include "tafoni/math/counts.h"
+#include "tafoni/raster/sampled.h"
 
 namespace tafoni::landforms {
 namespace {
@@ -24,14 +26,8 @@ struct Valley {
       std::function<double(Vec3d)> rho = [](Vec3d) { return 0.3; },
       const std::function<double(double, double)>& elevation =
           [](double x, double y) { return bed(y) + std::abs(x - middle(y)); }) {
-    auto raster = std::make_shared<raster::Raster>();
-    raster->placement = {-70, 80, 1, 1};
-    raster->values = raster::Grid<float>(140, 160);
-    for (int row = 0; row < 160; ++row)
-      for (int col = 0; col < 140; ++col) {
-        const Vec2d at = raster->placement.center(col, row);
-        raster->values.at(col, row) = static_cast<float>(elevation(at.x, at.y));
-      }
+    const auto raster =
+        std::make_shared<raster::Raster>(raster::sampled(140, 160, {-70, 80, 1, 1}, elevation));
     site.origin = {300000, 5000000, 100};
     site.heights = raster;
     site.terrain = field::heightfield(raster, {});
@@ -68,22 +64,22 @@ TEST(Canyon, SofterRockIsCarvedMore) {
   for (const double rho : {0.05, 0.5, 0.95})
     carved.push_back(carved_away(Valley([rho](Vec3d) { return rho; })).size());
   EXPECT_GT(carved[2], 50u) << "the hardest rock gives way by beta";
-  EXPECT_GT(carved[1], 1.3 * static_cast<double>(carved[2]));
-  EXPECT_GT(carved[0], 1.3 * static_cast<double>(carved[1]));
+  EXPECT_GT(ratio(carved[1], carved[2]), 1.3);
+  EXPECT_GT(ratio(carved[0], carved[1]), 1.3);
 }
 
 TEST(Canyon, SoftBedsRecede) {
   const auto soft = [](Vec3d p) { return std::fmod(p.z + 60, 8) < 4; };
   const auto carved = carved_away(Valley([&](Vec3d p) { return soft(p) ? 0.05 : 0.95; }));
   const auto in_soft = count(carved, soft);
-  EXPECT_GT(in_soft, 1.8 * static_cast<double>(static_cast<std::ptrdiff_t>(carved.size()) - in_soft));
+  EXPECT_GT(ratio(in_soft, std::ssize(carved) - in_soft), 1.8);
 }
 
 TEST(Canyon, CarvesMoreWhereMoreWaterRuns) {
   const auto carved = carved_away(Valley());
   const auto downstream = count(carved, [](Vec3d p) { return p.y < -35; });
   const auto upstream = count(carved, [](Vec3d p) { return p.y > 35; });
-  EXPECT_GT(downstream, 1.2 * static_cast<double>(upstream));
+  EXPECT_GT(ratio(downstream, upstream), 1.2);
 }
 
 /// Where the river swings to the east, the outer bank is the eastern one.
@@ -93,7 +89,7 @@ double outer_to_inner(double undercut) {
   const auto side = [](Vec3d p) { return (p.x - middle(p.y)) * middle(p.y); };
   const auto outer = count(carved, [&](Vec3d p) { return bend(p) && side(p) > 0; });
   const auto inner_bank = count(carved, [&](Vec3d p) { return bend(p) && side(p) < 0; });
-  return static_cast<double>(outer) / static_cast<double>(inner_bank);
+  return ratio(outer, inner_bank);
 }
 
 TEST(Canyon, UndercutsOuterBends) {
@@ -124,7 +120,7 @@ double overhanging(const field::CompiledField& field) {
   const auto points = sample_surface(field, sampling);
   const auto n =
       std::count_if(points.begin(), points.end(), [](const SurfaceSample& p) { return p.normal.z < 0; });
-  return static_cast<double>(n) / static_cast<double>(points.size());
+  return ratio(n, points.size());
 }
 
 TEST(Canyon, WallsOverhang) {

@@ -36,7 +36,7 @@ TEST(FractalTerrain, IsTheTerrainWithoutNoise) {
     for (const Vec3d& p : places(about, 2000, 2)) {
       // In the cell where the limit begins the volume cuts its corner.
       if (std::abs(p.z) < 6.5) {
-        ASSERT_NEAR(level_field.value(p), static_cast<float>(-p.z), 1e-4f);
+        ASSERT_NEAR(level_field.value(p), -p.z, 1e-4f);
       }
       if (std::abs(p.z) > 9) {
         ASSERT_EQ(level_field.value(p), p.z < 0 ? 7.5f : -7.5f);

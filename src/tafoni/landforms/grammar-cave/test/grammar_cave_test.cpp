@@ -99,7 +99,7 @@ TEST(GrammarCave, WearsTheEdgeOfItsEntranceAlone) {
   for (const Vec3d p : test::places({{-60, -30, -5}, {60, 20, 15}}, 300000, 4)) {
     const float a = sharp.value(p), b = worn.value(p);
     ASSERT_LE(b, a);
-    ASSERT_GE(b, a - static_cast<float>(lip * size / 4) - 1e-5f);
+    ASSERT_GE(b, a - lip * size / 4 - 1e-5);
     if (a > 0 && b < 0) {
       ++less;
       ASSERT_LT(before.value(p), lip * size);

@@ -5,6 +5,7 @@
 
 #include "tafoni/core/test/errors.h"
 #include "tafoni/landforms/test/site.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms::test {
 namespace {
@@ -26,7 +27,7 @@ std::vector<std::vector<Vec3d>> routes_of(const Result& result) {
   std::vector<std::vector<Vec3d>> out;
   std::size_t at = 0;
   for (double n : fact<std::vector<double>>(result, "route_points")) {
-    const std::size_t end = at + static_cast<std::size_t>(n);
+    const std::size_t end = at + round_to(n);
     out.emplace_back(all.begin() + at, all.begin() + end);
     at = end;
   }
@@ -143,8 +144,7 @@ TEST(Hive, EntrancesTunnelsAndChambersHangTogether) {
   // chamber.
   const Box3d box{{-58, -43, -14}, {58, 43, 28}};
   constexpr double step = 0.6;
-  const Vec3i n{static_cast<int>(box.size().x / step), static_cast<int>(box.size().y / step),
-                static_cast<int>(box.size().z / step)};
+  const Vec3i n{floor_to(box.size().x / step), floor_to(box.size().y / step), floor_to(box.size().z / step)};
   std::vector<Vec3d> points;
   for (int k = 0; k < n.z; ++k)
     for (int j = 0; j < n.y; ++j)
@@ -152,8 +152,7 @@ TEST(Hive, EntrancesTunnelsAndChambersHangTogether) {
   const auto f = values(field, points), ground = values(field::compile(coast.site.terrain), points);
   const auto index = [&](Vec3d p) {
     const Vec3d q = (p - box.lo) * (1 / step);
-    return (static_cast<std::size_t>(q.z + 0.5) * n.y + static_cast<std::size_t>(q.y + 0.5)) * n.x +
-           static_cast<std::size_t>(q.x + 0.5);
+    return sample_index(n, {round_to(q.x), round_to(q.y), round_to(q.z)});
   };
   std::vector<bool> reached(f.size());
   std::vector<std::size_t> stack;

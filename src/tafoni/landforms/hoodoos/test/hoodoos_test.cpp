@@ -8,6 +8,9 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/landforms/test/site.h"
+#include "tafoni/math/counts.h"
+#include "tafoni/math/draw.h"
+#include "tafoni/math/whole.h"
 
 namespace tafoni::landforms {
 namespace {
@@ -49,7 +52,7 @@ std::vector<double> ranks(const std::vector<double>& values) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
   std::vector<double> out(values.size());
-  for (std::size_t i = 0; i < order.size(); ++i) out[order[i]] = static_cast<double>(i);
+  for (int i = 0; i < std::ssize(order); ++i) out[order[i]] = i;
   return out;
 }
 
@@ -72,7 +75,7 @@ TEST(Hoodoos, AreWideWhereRockIsHard) {
       return static_cast<std::uint64_t>(std::lround(v / size) + 100);
     };
     const Random random(cell(p.x, 15), cell(p.y, 15));
-    return static_cast<double>(random.at(cell(p.z, 3)) >> 11) * 0x1p-53;
+    return unit_real(random.at(cell(p.z, 3)));
   };
   const Coast coast = plain(rho);
   const auto field = test::carved(coast.site, grow(coast.site, points_only));
@@ -127,7 +130,7 @@ TEST(Hoodoos, StandOnMediumSlopes) {
   const auto feet = positions(grow(coast.site, {{"ridges", 0.0}, {"clusters", 0.0}}));
   ASSERT_GT(feet.size(), 30u);
   const auto middle = std::count_if(feet.begin(), feet.end(), [](Vec3d p) { return std::abs(p.x) <= 22; });
-  EXPECT_GT(static_cast<double>(middle), 0.97 * static_cast<double>(feet.size()));
+  EXPECT_GT(ratio(middle, feet.size()), 0.97);
 }
 
 TEST(Hoodoos, KeepOutOfGullies) {
@@ -162,8 +165,7 @@ TEST(Hoodoos, GrowByTheUsersRules) {
   values["roughness"] = 0.0;
   values["rule"] = Rows{{{"symbol", "Ball"}, {"weight", "1"}, {"make", "sphere(z = 9 - h, radius = 3)"}}};
   const Result result = grow(coast.site, values);
-  EXPECT_EQ(test::fact<std::int64_t>(result, "primitives"),
-            static_cast<std::int64_t>(coast.site.points.size()));
+  EXPECT_EQ(test::fact<std::int64_t>(result, "primitives"), std::ssize(coast.site.points));
   const auto field = test::carved(coast.site, result);
   for (const Vec3d p : coast.site.points) {
     EXPECT_GT(field.value(p + Vec3d{0, 0, 9}), 0);
@@ -194,7 +196,7 @@ TEST(Hoodoos, AWrongRuleIsOneSentence) {
 
 /// Lattice points of rock in a box that no path of rock joins to the box's lowest layer.
 int floating(const field::CompiledField& field, const Box3d& box, double step) {
-  const auto count = [&](double lo, double hi) { return static_cast<int>((hi - lo) / step) + 1; };
+  const auto count = [&](double lo, double hi) { return floor_to((hi - lo) / step) + 1; };
   const int nx = count(box.lo.x, box.hi.x), ny = count(box.lo.y, box.hi.y), nz = count(box.lo.z, box.hi.z);
   std::vector<Vec3d> points;
   for (int k = 0; k < nz; ++k)
@@ -205,10 +207,10 @@ int floating(const field::CompiledField& field, const Box3d& box, double step) {
   std::vector<int> stack;
   const auto visit = [&](int i, int j, int k) {
     if (i < 0 || j < 0 || k < 0 || i >= nx || j >= ny || k >= nz) return;
-    const auto at = static_cast<std::size_t>((k * ny + j) * nx + i);
+    const int at = (k * ny + j) * nx + i;
     if (joined[at] || f[at] <= 0) return;
     joined[at] = 1;
-    stack.push_back(static_cast<int>(at));
+    stack.push_back(at);
   };
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) visit(i, j, 0);

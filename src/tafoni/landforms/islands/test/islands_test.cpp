@@ -2,6 +2,7 @@
 
 #include "tafoni/landforms/test/flood.h"
 #include "tafoni/landforms/test/site.h"
+#include "tafoni/math/counts.h"
 
 namespace tafoni::landforms {
 namespace {
@@ -63,7 +64,7 @@ TEST(Islands, SoftBedsRecede) {
     std::array<int, 2> cells{};
     for (const Vec3d p : test::places({{-35, -35, 20}, {35, 35, 42}}, 60000, 3))
       if (field.value(p) > 0) ++cells[beds(p) > 0.5];
-    return static_cast<double>(cells[0]) / cells[1];
+    return ratio(cells[0], cells[1]);
   };
   EXPECT_LT(volume(5), 0.9 * volume(0.01));
 }

@@ -38,13 +38,13 @@ TEST(Percolation, KeepsItsRules) {
   const auto made = impl::percolate(field, ground, entrances, s, s, silent());
   ASSERT_GT(made.nodes.size(), 30u);
   int soft = 0;
-  for (std::size_t i = 0; i < made.nodes.size(); ++i) {
+  for (int i = 0; i < std::ssize(made.nodes); ++i) {
     const impl::CaveNode& node = made.nodes[i];
-    for (std::size_t k = 0; k < i; ++k)
+    for (int k = 0; k < i; ++k)
       ASSERT_GE(length(node.position - made.nodes[k].position), s.spacing * 0.999999);
     if (node.parent < 0) continue;
-    ASSERT_LT(node.parent, static_cast<std::int32_t>(i));
-    EXPECT_LE(node.position.z, made.nodes[static_cast<std::size_t>(node.parent)].position.z + 1e-9);
+    ASSERT_LT(node.parent, i);
+    EXPECT_LE(node.position.z, made.nodes[node.parent].position.z + 1e-9);
     EXPECT_LT(node.resistance, s.resistance);
     EXPECT_GE(node.position.z, 30 - s.depth - 1e-9);
     EXPECT_GT(field.value(node.position + Vec3d{0, 0, s.cover}), 0);

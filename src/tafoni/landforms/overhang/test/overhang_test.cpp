@@ -3,6 +3,7 @@
 #include "tafoni/landforms/site/surface.h"
 #include "tafoni/landforms/test/flood.h"
 #include "tafoni/landforms/test/site.h"
+#include "tafoni/math/counts.h"
 
 namespace tafoni::landforms {
 namespace {
@@ -21,7 +22,7 @@ double undercut(const field::CompiledField& field) {
   const auto points = sample_surface(field, sampling);
   std::size_t down = 0;
   for (const SurfaceSample& p : points) down += p.normal.z < -0.05f;
-  return static_cast<double>(down) / static_cast<double>(points.size());
+  return ratio(down, points.size());
 }
 
 TEST(Overhang, FacesLeanOut) {
@@ -44,7 +45,7 @@ TEST(Overhang, TheRockStaysInOnePiece) {
       most = std::max(most, piece.cells);
       all += piece.cells;
     }
-    EXPECT_GT(static_cast<double>(most), 0.999 * static_cast<double>(all));
+    EXPECT_GT(ratio(most, all), 0.999);
   }
 }
 

@@ -133,7 +133,7 @@ TEST(PrismField, FacesLieOffTheLattice) {
   for (const double voxel : {spacing, spacing / 2, spacing / 3, spacing / 4})
     for (double x = -11; x < 11; x += voxel)
       for (double y = -9; y < 9; y += voxel)
-        EXPECT_GT(std::abs(field.value({x, y, 55.1})), 0.1f * static_cast<float>(voxel)) << x << ", " << y;
+        EXPECT_GT(std::abs(field.value({x, y, 55.1})), 0.1 * voxel) << x << ", " << y;
 }
 
 TEST(PrismField, BadRowsGetOneSentence) {

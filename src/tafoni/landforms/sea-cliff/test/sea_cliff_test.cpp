@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tafoni/landforms/test/site.h"
+#include "tafoni/math/counts.h"
 
 namespace tafoni::landforms {
 namespace {
@@ -20,7 +21,7 @@ double carved_share(const Site& site, const Result& result, const Box3d& box) {
   const auto after = test::values(test::carved(site, result), points);
   int gone = 0;
   for (std::size_t i = 0; i < points.size(); ++i) gone += before[i] > 0 && after[i] <= 0;
-  return gone / static_cast<double>(points.size());
+  return ratio(gone, points.size());
 }
 
 constexpr Box3d face{{-40, -8, -8}, {40, 15, 30}};
@@ -75,7 +76,7 @@ double energy_in(const Coast& coast, const Box3d& box, Values values) {
   const auto before = test::values(field::compile(coast.site.terrain), points);
   const auto after = test::values(test::carved(coast.site, result), points);
   double sum = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) sum += static_cast<double>(before[i] - after[i]);
+  for (std::size_t i = 0; i < points.size(); ++i) sum += before[i] - after[i];
   return sum;
 }
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tafoni/core/random.h"
+#include "tafoni/math/draw.h"
 
 namespace tafoni::landforms {
 namespace {
@@ -107,7 +108,7 @@ std::shared_ptr<raster::Raster> blotches() {
   mask->placement = {-45, 40, 1.5, 1.5};
   Random random(9);
   for (float& v : mask->values.values())
-    v = random.uniform() < 0.04 ? raster::no_data : static_cast<float>(random.uniform(-1, 2));
+    v = random.uniform() < 0.04 ? raster::no_data : draw_float(random, -1, 2);
   return mask;
 }
 
@@ -130,7 +131,7 @@ TEST(RegionFunction, RisesFromTheRingsAsFarAsTheyAre) {
       const double d = std::min(distance_to(rings[0], p), distance_to(rings[1], p));
       const double t = fade > 0 ? std::min(d / fade, 1.0) : 1.0;
       const double expected = region.contains(p) ? t * t * (3 - 2 * t) : 0;
-      ASSERT_NEAR(static_cast<double>(value(f, p)), expected, 1e-6) << p.x << ' ' << p.y;
+      ASSERT_NEAR(value(f, p), expected, 1e-6) << p.x << ' ' << p.y;
     }
   }
 }
@@ -147,7 +148,7 @@ TEST(RegionFunction, IsZeroOutsideAndTheWeightWellInside) {
   int outside = 0, inside = 0;
   for (int i = 0; i < 60000; ++i) {
     const Vec3d p{random.uniform(-50, 50), random.uniform(-50, 50), random.uniform(-12, 12)};
-    const auto v = static_cast<double>(value(f, p));
+    const double v = value(f, p);
     if (!region.contains(p)) {
       ASSERT_EQ(v, 0);
       ++outside;

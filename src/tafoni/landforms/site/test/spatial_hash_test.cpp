@@ -13,9 +13,9 @@ TEST(SpatialHash, FindsWhatBruteForceFinds) {
   Random random(9);
   SpatialHash hash(2.0, 1);
   std::vector<Vec3d> points;
-  for (int i = 0; i < 3000; ++i) {
+  for (std::uint32_t i = 0; i < 3000; ++i) {
     points.push_back({random.uniform(-20, 20), random.uniform(-20, 20), random.uniform(-9, 9)});
-    EXPECT_EQ(hash.insert(points.back()), static_cast<std::uint32_t>(i));
+    EXPECT_EQ(hash.insert(points.back()), i);
   }
   ASSERT_EQ(hash.size(), points.size());
   for (int i = 0; i < 500; ++i) {

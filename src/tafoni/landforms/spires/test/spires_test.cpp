@@ -75,7 +75,7 @@ TEST(Towers, RangesEncloseValues) {
     const Vec3d lo{random.uniform(-80, 80), random.uniform(-80, 80), random.uniform(-30, 60)};
     const Box3d box{lo, lo + Vec3d{size, random.uniform(0.2, 1) * size, random.uniform(0.2, 1) * size}};
     const Interval range = forest.range(box);
-    const auto points = test::places(box, 12, static_cast<std::uint64_t>(i));
+    const auto points = test::places(box, 12, i);
     std::vector<float> values(points.size());
     forest.values(points, values);
     for (float v : values) ASSERT_TRUE(range.contains(v)) << range.lo << " " << v << " " << range.hi;
