@@ -29,8 +29,11 @@ constexpr double deep_search = 64;
 /// Metres. Nothing is searched for beyond.
 constexpr double farthest = 1e7;
 
+/// Metres. Squares of what is larger may be no numbers.
+constexpr double immense = 1e150;
+
 bool finite(Vec3d p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+  return std::abs(p.x) < immense && std::abs(p.y) < immense && std::abs(p.z) < immense;
 }
 
 void check(Vec3d p, const char* what) {
@@ -41,7 +44,8 @@ void check(const Capsule& shape) {
   check(shape.a, "the shape's position");
   check(shape.b, "the shape's position");
   if (!(shape.radius > 0) || !std::isfinite(shape.radius))
-    fail(ErrorKind::usage, "a radius of {} m cannot collide: give one above 0", shape.radius);
+    fail(ErrorKind::usage, "a radius of {} m cannot collide: give one above 0, or ask for a ray or a point",
+         shape.radius);
 }
 
 void check_distance(double distance) {
@@ -82,6 +86,12 @@ bool clip(Vec3d from, Vec3d along, Vec3d half, const Box3d& bounds, double& begi
          axis(from.z, along.z, half.z, bounds.lo.z, bounds.hi.z);
 }
 
+/// How far a shape whose axis meets the triangle has to go along its normal to be free of it.
+double depth_of(const Triangle& triangle, const Capsule& shape, const impl::NearestPair& pair) {
+  const Vec3d n = normalized(triangle.cross());
+  return shape.radius + std::max(dot(pair.on_triangle - shape.a, n), dot(pair.on_triangle - shape.b, n));
+}
+
 /// Forwards to `found` and keeps what it says is still of interest.
 struct Tracker {
   double (*found)(void*, const Triangle&, double);
@@ -120,8 +130,9 @@ void Collider::search_along(Vec3d from, Vec3d along, Vec3d half, double radius, 
     if (box.empty()) return;
     const double size = (t - s) * whole;
     if (size > worth_asking * piece && empty(box)) return;
-    if (size > piece) {
-      const double middle = s + (t - s) / 2;
+    const double middle = s + (t - s) / 2;
+    // Shares of an immense way may be too coarse to be halved.
+    if (size > piece && s < middle && middle < t) {
       self(self, s, middle);
       self(self, middle, t);
       return;
@@ -185,10 +196,11 @@ std::optional<RayHit> Collider::ray(Vec3d from, Vec3d direction, double distance
   check(from, "the ray's origin");
   check(direction, "the ray's direction");
   check_distance(distance);
-  const double size = length(direction);
-  if (!(size > 0)) fail(ErrorKind::usage, "the ray has no direction");
+  const double most = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
+  if (!(most > 0)) fail(ErrorKind::usage, "the ray has no direction");
+  if (most < 1 / immense) direction = {direction.x / most, direction.y / most, direction.z / most};
   // A way without end cannot be measured in shares of itself.
-  const Vec3d unit = direction * (1 / size);
+  const Vec3d unit = direction * (1 / length(direction));
   const double end = std::min(distance, farthest);
   struct Search {
     Vec3d from, along;
@@ -256,8 +268,10 @@ bool Collider::overlaps(const Capsule& shape) const {
     const Capsule& own;
     bool found = false;
     double look(const Triangle& triangle, double end) {
-      const double most = own.radius - impl::touching;
-      found = most > 0 && impl::nearest_pair(triangle, own.a, own.b).squared < most * most;
+      const double most = std::max(0.0, own.radius - impl::touching);
+      const impl::NearestPair pair = impl::nearest_pair(triangle, own.a, own.b);
+      found =
+          pair.squared < most * most || (pair.squared == 0 && depth_of(triangle, own, pair) > impl::touching);
       return found ? -1 : end;
     }
   } search{shape};
@@ -287,10 +301,8 @@ std::optional<Contact> Collider::contact(const Capsule& shape) const {
       const impl::NearestPair pair = impl::nearest_pair(triangle, own.a, own.b);
       if (pair.squared < nearest.squared) nearest = pair;
       if (pair.squared > 0) return end;
-      const Vec3d n = normalized(triangle.cross());
-      const double below = std::max(dot(pair.on_triangle - own.a, n), dot(pair.on_triangle - own.b, n));
-      const double depth = own.radius + below;
-      if (depth < crossing) crossing = depth, point = pair.on_triangle, normal = n;
+      const double depth = depth_of(triangle, own, pair);
+      if (depth < crossing) crossing = depth, point = pair.on_triangle, normal = normalized(triangle.cross());
       return end;
     }
   } search{shape, {{}, {}, infinity}, infinity, {}, {}};

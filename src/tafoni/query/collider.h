@@ -8,7 +8,8 @@
 //
 // Positions are local metres. Normals point from the rock to the air where they belong to the surface, and
 // from the surface to the shape where they belong to a contact. Queries may be asked from any number of
-// threads. Those that get a number that is not finite, or a shape without radius, throw Error{usage}.
+// threads. Those that get a number that is not finite, a shape without radius or a ray without direction
+// throw Error{usage}; motions, distances and capsules of no length are like any other.
 
 #include <functional>
 #include <limits>
@@ -75,6 +76,7 @@ struct SlideSettings {
 struct Slide {
   Vec3d moved;                 ///< by how much the shape may move; it overlaps nothing there unless `stuck`
   std::vector<SweepHit> hits;  ///< in order
+  bool freed = false;          ///< it overlapped rock and was pushed out before it went on
   bool stuck = false;          ///< it overlapped rock and no way out was found: it stays where it is
 };
 

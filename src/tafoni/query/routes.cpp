@@ -26,7 +26,7 @@ std::uint64_t column_key(std::int64_t i, std::int64_t j) {
 }
 
 int moves_for(double metres, double move) {
-  return std::max(1, static_cast<int>(std::ceil(metres / move - 1e-9)));
+  return static_cast<int>(std::clamp(std::ceil(metres / move - 1e-9), 1.0, 1e9));
 }
 
 /// One of `moves` moves that are left to level (to.x, to.y).

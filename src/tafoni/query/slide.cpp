@@ -72,8 +72,8 @@ bool Collider::free(const Capsule& shape, Vec3d& at, double skin) const {
 }
 
 Slide Collider::slide(const Capsule& shape, Vec3d motion, const SlideSettings& settings) const {
-  if (settings.iterations < 1 || !(settings.skin >= 0))
-    fail(ErrorKind::usage, "a slide needs at least one iteration and a skin of 0 m or more");
+  if (settings.iterations < 1 || !(settings.skin >= 0) || !std::isfinite(settings.skin))
+    fail(ErrorKind::usage, "a slide needs at least one iteration and a finite skin of 0 m or more");
   Slide result;
   std::array<Vec3d, most_planes> normals;
   int planes = 0;
@@ -87,6 +87,7 @@ Slide Collider::slide(const Capsule& shape, Vec3d motion, const SlideSettings& s
         result.stuck = true;
         return result;
       }
+      result.freed = true;
       hit = sweep(shape.moved(result.moved), left);
     }
     if (!hit) {
@@ -95,6 +96,7 @@ Slide Collider::slide(const Capsule& shape, Vec3d motion, const SlideSettings& s
     }
     result.hits.push_back(*hit);
     const double size = length(left);
+    if (!(size > 0)) return result;
     const double toward = -dot(left, hit->normal) / size;
     // A gap of `skin` along the normal is wider along the motion.
     const double travel = toward > 0 ? std::max(0.0, hit->time * size - settings.skin / toward) : 0.0;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tafoni/core/error.h"
 
@@ -29,6 +30,8 @@ constexpr double behind_edge = 0.05, below_slope = 0.5;
 constexpr double least_rise = 0.1;
 /// Metres. Another footing must be nearer to the goal by this, which is more than rounding, to be preferred.
 constexpr double clearly = 1e-6;
+/// Metres. A shorter way has no direction in which to look for footing.
+constexpr double no_way = 1e-9;
 /// Radians, just below a right angle, whose tangent is without end.
 constexpr double steepest = 1.57;
 
@@ -45,8 +48,9 @@ Walker::Walker(const WalkerSettings& settings, Vec3d feet)
     fail(ErrorKind::usage,
          "a walker of radius {} m and height {} m is no capsule: give a height of two radii or more",
          s.radius, s.height);
-  if (!(s.step >= 0) || !(s.slope >= 0 && s.slope < steepest) || !(s.gravity >= 0) || !(s.fall > 0) ||
-      !(s.skin > 0))
+  const bool finite = std::isfinite(s.step) && std::isfinite(s.gravity) && std::isfinite(s.skin);
+  if (!finite || !(s.step >= 0) || !(s.slope >= 0 && s.slope < steepest) || !(s.gravity >= 0) ||
+      !(s.fall > 0) || !(s.skin > 0))
     fail(ErrorKind::usage,
          "a walker needs a step and gravity of 0 or more, a slope below 90 degrees, and a skin and fall "
          "above 0");
@@ -119,6 +123,14 @@ bool Walker::settle(const Collider& ground) {
   return found.found;
 }
 
+/// Whether the slide pushed it out of rock to where nothing is below, unlike before.
+bool Walker::leaves_world(const Collider& ground, const Slide& slide) const {
+  const auto below = [&](Vec3d feet) {
+    return ground.ray(feet + up * settings_.radius, -up, std::numeric_limits<double>::infinity()).has_value();
+  };
+  return slide.freed && !below(feet_ + slide.moved) && below(feet_);
+}
+
 void Walker::walk(const Collider& ground, Vec3d way) {
   const double wanted = length(way);
   const Vec3d goal = feet_ + way;
@@ -127,10 +139,8 @@ void Walker::walk(const Collider& ground, Vec3d way) {
   Vec3d along = way;
   if (normal_.z >= floor_) along.z = std::max(0.0, -dot(way, level(normal_)) / normal_.z);
   const Slide slide = ground.slide(capsule_at(feet_), along, {.skin = settings_.skin, .wall = floor_});
-  if (slide.stuck) {
-    stuck_ = true;
-    return;
-  }
+  stuck_ = slide.stuck || leaves_world(ground, slide);
+  if (stuck_) return;
   const Vec3d slid = feet_ + slide.moved;
   Footing best = footing(ground, slid, settings_.step + settings_.skin + std::max(0.0, slide.moved.z));
   if (best.found && off(best.feet) <= near_goal * wanted) return stand(best);
@@ -141,7 +151,7 @@ void Walker::walk(const Collider& ground, Vec3d way) {
   consider(stride(ground, feet_, goal));
   // What is too steep but no higher than a step is gone over if there is footing beyond it.
   for (double beyond : {settings_.radius + near_beyond, (settings_.radius + near_beyond) / 2}) {
-    if (error <= near_goal * wanted || wanted >= beyond) break;
+    if (error <= near_goal * wanted || wanted >= beyond || wanted < no_way) break;
     const Vec3d there = feet_ + way * (beyond / wanted);
     const Footing landed = stride(ground, feet_, there);
     if (landed.found && length(level(there - landed.feet)) < near_place * beyond)
@@ -156,10 +166,12 @@ void Walker::walk(const Collider& ground, Vec3d way) {
 void Walker::fly(const Collider& ground, Vec3d way, double seconds) {
   velocity_.z = std::max(-settings_.fall, velocity_.z - settings_.gravity * seconds);
   const Slide fall = ground.slide(capsule_at(feet_), velocity_ * seconds, {.skin = settings_.skin});
+  stuck_ = fall.stuck || leaves_world(ground, fall);
+  if (stuck_) return;
   feet_ += fall.moved;
   const Slide drift = ground.slide(capsule_at(feet_), way, {.skin = settings_.skin, .wall = floor_});
   feet_ += drift.moved;
-  stuck_ = fall.stuck || drift.stuck;
+  stuck_ = drift.stuck;
   if (stuck_) return;
   const bool falling = velocity_.z < 0;
   for (const SweepHit& hit : fall.hits) {
@@ -175,7 +187,7 @@ void Walker::fly(const Collider& ground, Vec3d way, double seconds) {
   }
 }
 
-void Walker::move(const Collider& ground, Vec3d wish, double seconds) {
+bool Walker::move(const Collider& ground, Vec3d wish, double seconds) {
   if (!std::isfinite(wish.x) || !std::isfinite(wish.y))
     fail(ErrorKind::usage, "the walker's wish is not finite: give metres a second");
   if (!(seconds >= 0) || !std::isfinite(seconds))
@@ -186,6 +198,7 @@ void Walker::move(const Collider& ground, Vec3d wish, double seconds) {
     walk(ground, way);
   else
     fly(ground, way, seconds);
+  return !stuck_;
 }
 
 }  // namespace tafoni::query

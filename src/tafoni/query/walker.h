@@ -2,6 +2,7 @@
 // A walker: an upright capsule with gravity that climbs steps and gentle slopes and never enters the rock.
 
 #include <numbers>
+#include <optional>
 
 #include "tafoni/query/collider.h"
 
@@ -17,15 +18,26 @@ struct WalkerSettings {
 };
 
 /// Every way that it goes is swept, so that its capsule overlaps no rock after a move, to 1e-6 m; only ground
-/// that changed around it can hold it, and then it is freed or says that it is stuck. The same moves on the
-/// same ground give the same bits.
+/// that changed around it can hold it. Then a move pushes it out, or says that it is buried, and escape() is
+/// the way out. The same moves on the same ground give the same bits.
 class Walker {
  public:
   /// `feet`: the capsule's lowest point. Throws Error{usage} for sizes that make no capsule.
   explicit Walker(const WalkerSettings& settings, Vec3d feet = {});
 
-  /// Walks for `seconds` at `wish` metres a second, of which x and y count; in the air, too.
-  void move(const Collider& ground, Vec3d wish, double seconds);
+  /// Walks for `seconds` at `wish` metres a second, of which x and y count; in the air, too. Either may be 0.
+  /// False where it is buried: it overlaps rock, and a few pushes find no way out, or only one to where it
+  /// would fall out of the world. It stays where it is then.
+  bool move(const Collider& ground, Vec3d wish, double seconds);
+  bool stuck() const { return stuck_; }  ///< what the last move() said: that it is buried
+
+  /// The nearest feet, no more than `distance` metres off, at which the capsule fits and has ground below,
+  /// however far down: its own where it fits already. Another place is nearer by no more than a tenth, or 5
+  /// cm; room that leaves it less play than 5 cm may be overlooked. Nothing where there is no such place:
+  /// then a game sets its player down elsewhere. Takes milliseconds where rock of some metres is to be left.
+  std::optional<Vec3d> free_place(const Collider& ground, double distance = 50) const;
+  /// Goes there at once, and falls from there on; false where there is no such place.
+  bool escape(const Collider& ground, double distance = 50);
 
   /// Puts it down on ground that lies no more than a step below; false where there is none.
   bool settle(const Collider& ground);
@@ -38,7 +50,6 @@ class Walker {
   bool grounded() const { return grounded_; }
   /// The normal of what it stands on; up where it stands on nothing.
   Vec3d ground_normal() const { return normal_; }
-  bool stuck() const { return stuck_; }
   const WalkerSettings& settings() const { return settings_; }
 
   Capsule capsule_at(Vec3d feet) const;
@@ -63,6 +74,8 @@ class Walker {
   /// `steep`: what is too steep to stand on will do.
   Footing let_down(const Collider& ground, Vec3d feet, double depth, bool steep) const;
   Footing lift_over(const Collider& ground, Vec3d feet, Vec3d to, bool steep) const;
+  bool fits(const Collider& ground, Vec3d feet) const;
+  bool leaves_world(const Collider& ground, const Slide& slide) const;
   void walk(const Collider& ground, Vec3d way);
   void fly(const Collider& ground, Vec3d way, double seconds);
   void stand(const Footing& footing);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tafoni/core/test/errors.h"
+#include "tafoni/query/grid_collider.h"
 #include "tafoni/query/impl/triangle.h"
 #include "tafoni/query/mesh_collider.h"
 #include "tafoni/query/test/meshes.h"
@@ -277,6 +278,47 @@ TEST(Collider, BatchesGiveWhatOneByOneGives) {
   }
 }
 
+TEST(Collider, MotionsOfNoLengthAreLikeAnyOther) {
+  const MeshCollider collider(box_mesh({-20, -20, -5}, {20, 20, 0}));
+  for (double size : {0.0, 1e-320, 1e-170, 1e-12}) {
+    // Clear of the ground, touching it, and in it.
+    for (double height : {1.0, 0.5, 0.2, -0.3}) {
+      const Slide slide = collider.slide(Sphere{{0, 0, height}, 0.5}, {0, size, -size});
+      EXPECT_FALSE(slide.stuck);
+      EXPECT_EQ(slide.freed, height < 0.5);
+      EXPECT_NEAR(slide.moved.z, height < 0.5 ? 0.505 - height : 0, 0.006) << size << " " << height;
+      EXPECT_NEAR(length(slide.moved), slide.moved.z, 1e-9);
+    }
+    const auto deep = collider.sweep(Sphere{{0, 0, 0.2}, 0.5}, {size, 0, 0});
+    EXPECT_NEAR(deep.value().depth, 0.3, 1e-12);
+  }
+}
+
+TEST(Collider, ThinShapesAreToldFromWhatTheyCross) {
+  const MeshCollider collider(box_mesh({-20, -20, -5}, {20, 20, 0}));
+  for (double radius : {1e-300, 1e-9, 1e-7, 1e-3}) {
+    const Capsule needle({0.1, 0.2, 1}, {0.1, 0.2, -1}, radius);
+    EXPECT_TRUE(collider.overlaps(needle)) << radius;
+    EXPECT_NEAR(collider.contact(needle).value().depth, 1 + radius, 1e-9);
+    EXPECT_FALSE(collider.overlaps(needle.moved({0, 0, 1.1})));
+    EXPECT_FALSE(collider.contact(needle.moved({0, 0, 1.1})));
+    EXPECT_NEAR(collider.sweep(needle.moved({0, 0, 2}), {0, 0, -4}).value().time, 0.25, 1e-3);
+  }
+}
+
+TEST(Collider, ImmenseMotionsEnd) {
+  volume::ScalarGrid grid{{{-10, -10, -10}, 1, {21, 21, 21}}, 1};
+  const GridCollider collider(grid);
+  for (double size : {1e9, 1e15, 1e20, 1e60, 1e149}) {
+    const auto hit = collider.sweep(Sphere{{-size / 3, 0, 0}, 1}, {size, 0, 0});
+    if (size < 1e14) {
+      EXPECT_NEAR(hit.value().time, 1.0 / 3, 1e-6) << size;
+    }
+    (void)collider.slide(Sphere{{0, 0, 30}, 1}, {size, size, -size});
+    (void)collider.closest({size, 0, -size}, size);
+  }
+}
+
 TEST(Collider, DegenerateQueriesAreErrorsOrHarmless) {
   const MeshCollider collider(box_mesh({-1, -1, -1}, {1, 1, 1}));
   const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
@@ -323,6 +365,12 @@ TEST(Collider, DegenerateQueriesAreErrorsOrHarmless) {
               }),
               ::testing::HasSubstr("a radius of 0 m cannot collide"));
   EXPECT_TRUE(collider.ray({5, 0, 0}, {-1, 0, 0}, inf));
+  EXPECT_NEAR(collider.ray({5, 0, 0}, {-1e-310, 0, 0}, 9).value().distance, 4, 1e-12);
+  EXPECT_FALSE(collider.ray({5, 0, 0}, {-1, 0, 0}, 0));
+  EXPECT_THAT(error_of([&] {
+                collider.sweep(Sphere{{0, 0, 0}, 1}, {1e200, 0, 0});
+              }),
+              ::testing::HasSubstr("the motion is not finite"));
   EXPECT_FALSE(collider.sweep(Sphere{{5, 0, 0}, 1}, {0, 0, 0}));
   EXPECT_TRUE(collider.sweep(Sphere{{5, 0.1, 0.1}, 1}, {-1e12, 0, 0}));
   EXPECT_TRUE(collider.sweep(Sphere{{1.5, 0, 0}, 1}, {0, 0, 0}));

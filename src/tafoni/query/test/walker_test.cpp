@@ -181,6 +181,97 @@ TEST(Walker, IsFreedWhenTheGroundRises) {
   EXPECT_NEAR(walker.feet().z, 0.5, 0.1);
 }
 
+TEST(Walker, AStillOneIsFreedLikeOneThatWalks) {
+  mesh::Mesh m = floor_mesh();
+  append(m, box_mesh({0.25, -5, -0.5}, {5, 5, 5}));
+  const MeshCollider floor(floor_mesh()), wall(m);
+  for (double wish : {0.0, 1e-320, 1e-9, 1.0})
+    for (double seconds : {0.0, 1e-300, dt}) {
+      Walker walker({}, {0, 0, 0.01});
+      walk(walker, floor, {}, 0.3);
+      ASSERT_TRUE(walker.grounded());
+      EXPECT_TRUE(walker.move(wall, {0, wish, 0}, seconds)) << wish << " " << seconds;
+      EXPECT_FALSE(wall.overlaps(walker.capsule()));
+      EXPECT_NEAR(walker.feet().x, -0.105, 0.01);
+      EXPECT_NEAR(walker.feet().y, wish * seconds, 0.01);
+      EXPECT_TRUE(walker.grounded());
+    }
+  Walker flying({.gravity = 0}, {0, 0, 1});
+  EXPECT_TRUE(flying.move(wall, {}, 0));
+  EXPECT_NEAR(flying.feet().x, -0.105, 0.01);
+}
+
+/// How far off the nearest place is, of a lattice of places, at which it is in the air and above ground.
+double nearest_by_trying(const Collider& ground, const Walker& walker, double most) {
+  double best = most;
+  const double grain = 0.2;
+  const int n = static_cast<int>(most / grain);
+  for (int k = -n; k <= n; ++k)
+    for (int j = -n; j <= n; ++j)
+      for (int i = -n; i <= n; ++i) {
+        const Vec3d by{grain * i, grain * j, grain * k}, feet = walker.feet() + by;
+        if (length(by) >= best || ground.overlaps(walker.capsule_at(feet))) continue;
+        const auto below = ground.ray(feet + Vec3d{0, 0, 0.3}, {0, 0, -1}, 1e6);
+        if (below && !below->from_rock) best = length(by);
+      }
+  return best;
+}
+
+TEST(Walker, EscapesToTheNearestPlaceWhereItFits) {
+  mesh::Mesh m = box_mesh({-50, -50, -20}, {50, 50, 0});
+  append(m, box_mesh({-2, -3, 0.001}, {4, 3, 2.5}));
+  append(m, box_mesh({4.001, -9, 0.001}, {9, 9, 9}));
+  append(m, box_mesh({-2, 3.8, 0.001}, {3.99, 9, 9}));
+  append(m, box_mesh({-20, -20, 4}, {20, 20, 6}));  // a roof: above the first block there is too little room
+  const MeshCollider ground(m);
+  Random random(5);
+  for (int i = 0; i < 12; ++i) {
+    Walker walker({}, {random.uniform(-2, 8), random.uniform(-3, 3), random.uniform(-1, 4)});
+    const double nearest = nearest_by_trying(ground, walker, 8);
+    const auto place = walker.free_place(ground, 20);
+    ASSERT_TRUE(place) << i;
+    EXPECT_FALSE(ground.overlaps(walker.capsule_at(*place)));
+    const double way = length(*place - walker.feet());
+    EXPECT_LE(way, 1.12 * nearest + 0.05) << i;
+    ASSERT_TRUE(walker.escape(ground, 20));
+    EXPECT_EQ(walker.feet(), *place);
+    EXPECT_EQ(walker.free_place(ground, 0), walker.feet());
+    walk(walker, ground, {0.5, 0.2, 0}, 3);
+  }
+}
+
+TEST(Walker, IsNeverPushedOutOfTheWorld) {
+  const MeshCollider ground(box_mesh({-50, -50, -2}, {50, 50, 20}));
+  for (bool grounded : {false, true}) {
+    Walker walker({}, {0, 0, -1});
+    if (grounded) {
+      walker = Walker({}, {0, 0, -0.99});
+      const MeshCollider floor(box_mesh({-50, -50, -2}, {50, 50, -1}));
+      walk(walker, floor, {}, 0.3);
+      ASSERT_TRUE(walker.grounded());
+    }
+    const Vec3d feet = walker.feet();
+    for (Vec3d wish : {Vec3d{}, Vec3d{1, 0, 0}}) {
+      EXPECT_FALSE(walker.move(ground, wish, dt));
+      EXPECT_TRUE(walker.stuck());
+      EXPECT_EQ(walker.feet(), feet);
+    }
+    EXPECT_FALSE(walker.free_place(ground, 15));
+    EXPECT_FALSE(walker.escape(ground, 15));
+    EXPECT_EQ(walker.feet(), feet);
+    EXPECT_TRUE(walker.escape(ground));
+    EXPECT_FALSE(walker.stuck());
+    walk(walker, ground, {}, 3);
+    EXPECT_NEAR(walker.feet().z, 20, 0.01);
+  }
+  // One that has fallen out comes back.
+  Walker falling({}, {49, 0, -30});
+  EXPECT_TRUE(falling.escape(ground, 60));
+  walk(falling, ground, {}, 3);
+  EXPECT_NEAR(falling.feet().z, 20, 0.01);
+  EXPECT_FALSE(Walker({}, {0, 0, 0}).escape(MeshCollider{mesh::Mesh{}}));
+}
+
 TEST(Walker, TheSameMovesGiveTheSameBits) {
   const mesh::Mesh m = testing::soup(400, 8, 3);
   const MeshCollider ground(m);
@@ -199,6 +290,8 @@ TEST(Walker, BadSizesAndWishesAreErrors) {
   EXPECT_THAT(error_of([&] { Walker({.radius = 1, .height = 1}); }), ::testing::HasSubstr("is no capsule"));
   EXPECT_THAT(error_of([&] { Walker({.slope = 2}); }), ::testing::HasSubstr("a slope below 90 degrees"));
   EXPECT_THAT(error_of([&] { Walker({.skin = 0}); }), ::testing::HasSubstr("a skin and fall"));
+  EXPECT_THAT(error_of([&] { Walker({.step = INFINITY}); }),
+              ::testing::HasSubstr("needs a step and gravity"));
   const MeshCollider ground(floor_mesh());
   Walker walker({}, {0, 0, 1});
   EXPECT_THAT(error_of([&] {
@@ -207,6 +300,8 @@ TEST(Walker, BadSizesAndWishesAreErrors) {
               ::testing::HasSubstr("wish is not finite"));
   EXPECT_THAT(error_of([&] { walker.move(ground, {}, -1); }),
               ::testing::HasSubstr("a move of -1 s cannot be made"));
+  EXPECT_THAT(error_of([&] { (void)walker.free_place(ground, -1); }),
+              ::testing::HasSubstr("a place within -1 m cannot be looked for"));
   EXPECT_THAT(error_of([&] { walker.move(ground, {}, std::nan("")); }),
               ::testing::HasSubstr("a move of nan s cannot be made"));
 }
