@@ -48,7 +48,9 @@ int main() try {
   // A player walks in. A collider is local: the origin is taken off.
   const runtime::SnapshotPtr now = ground.snapshot();
   query::Walker player({}, now->to_local(entrance + 2 * north));
-  for (int frame = 0; frame < 60 * 15; ++frame) player.move(now->collider(), {0, 2.5, 0}, 1.0 / 60);
+  for (int frame = 0; frame < 60 * 15; ++frame)
+    if (!player.move(now->collider(), {0, 2.5, 0}, 1.0 / 60))
+      player.escape(now->collider());  // where someone has buried them
   const Vec3d feet = now->to_world(player.feet());
   const auto roof = now->ray(feet + Vec3d{0, 0, 1}, {0, 0, 1}, 50);
   std::printf("after 15 s the player stands %.1f m below the entrance, %.1f m below a roof\n",

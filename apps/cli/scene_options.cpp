@@ -8,7 +8,6 @@
 #include "tafoni/core/atomic_file.h"
 #include "tafoni/core/error.h"
 #include "tafoni/io/format.h"
-#include "tafoni/scene/products/volume_scene.h"
 
 namespace tafoni::cli {
 
@@ -93,18 +92,6 @@ bool is_mesh_file(const std::string& path) {
                                  format->extensions.end())
       return true;
   return false;
-}
-
-bool is_scene_file(const std::string& path) {
-  return fs::path(path).extension() == ".toml";
-}
-
-scene::Document open_document(const std::string& path) {
-  if (is_scene_file(path)) return scene::load_scene(path);
-  if (io::can(path, io::Ability::read_volume)) return scene::volume_document(path);
-  scene::Document document;
-  document.terrain.source = path;
-  return document;
 }
 
 std::vector<fs::path> inputs_of(const scene::Document& document) {

@@ -10,10 +10,12 @@
 #include "args.h"
 #include "console.h"
 
+#include "tafoni/core/error.h"
 #include "tafoni/mesh/mesh.h"
 #include "tafoni/render/render.h"
 #include "tafoni/scene/build/build.h"
 #include "tafoni/scene/document/document.h"
+#include "tafoni/scene/products/volume_scene.h"
 
 namespace tafoni::cli {
 
@@ -45,11 +47,21 @@ struct OutputOptions {
   bool builds() const { return !files.empty() || !preview.empty() || !report.empty(); }
 };
 
-/// A scene file (.toml), or a scene of nothing but an elevation model or a volume.
-scene::Document open_document(const std::string& path);
-bool is_scene_file(const std::string& path);
+using scene::is_scene_file;
+using scene::open_document;
 /// Whether a path is that of a mesh, which its extension says.
 bool is_mesh_file(const std::string& path);
+
+/// What `make` gives; what it says is wrong is said of the file.
+template <class Make>
+auto of_file(const std::string& path, const Make& make) {
+  try {
+    return make();
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::input) throw;
+    fail(ErrorKind::input, "{}: {}", path, error.what());
+  }
+}
 
 /// Builds, meshes and writes. Every output is checked before the work begins. `scene_file` is where the
 /// document came from, or empty.

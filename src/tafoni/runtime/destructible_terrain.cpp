@@ -58,14 +58,15 @@ class ChangeLog {
 Digest digest_of(const impl::Ground& ground, std::uint64_t samples) {
   impl::ByteWriter out;
   const volume::GridFrame& frame = ground.grid.frame();
-  for (Vec3d p : {ground.origin, frame.origin}) {
+  for (Vec3d p : {ground.place.origin, frame.origin}) {
     for (double v : {p.x, p.y, p.z}) out.put(v);
   }
   out.put(frame.spacing);
   for (std::int32_t n : {frame.size.x, frame.size.y, frame.size.z}) out.put(n);
   out.put(static_cast<std::uint32_t>(ground.grid.precision()));
-  out.put(ground.band);
+  out.put(ground.place.band);
   out.put(samples);
+  if (ground.place.first_layer > 0) out.put(static_cast<std::int32_t>(ground.place.first_layer));
   return impl::checksum(out.bytes);
 }
 
@@ -84,6 +85,13 @@ struct DestructibleTerrain::Impl {
   /// After edits that were not made, the mesher follows the grid back.
   void bring_in_step(Progress& progress);
   void check_work(const Operation& operation) const;
+  /// Of the history as it is now, with so many chunks of samples held in full and meshes of so many bytes.
+  std::uint64_t use_with(std::uint64_t full, std::uint64_t meshes) const {
+    return impl::bytes_of(ground.grid, full) + history.bytes() + meshes;
+  }
+  /// Throws where the terrain as it is now takes too much. `full` chunks at most are held in full, which is
+  /// counted only where it matters.
+  void check_use(std::uint64_t& full, std::uint64_t meshes) const;
   /// Makes the edits, one version each, and meshes once. For whoever holds edit_mutex.
   void apply(std::span<const Message> messages, Progress& progress);
   void replay(const JournalContents& contents, const std::filesystem::path& file, Progress& progress);
@@ -92,11 +100,12 @@ struct DestructibleTerrain::Impl {
   std::mutex edit_mutex;
   impl::Ground ground;
   surface::GridMesher mesher;
-  bool mesher_in_step = true;  ///< its meshes are those of the published snapshot
+  std::vector<SampleBox> behind;  ///< where its meshes are those of an edit that was not made
   impl::StateHash hash;
   Digest base;
   impl::History history;
-  std::uint64_t edit_work;
+  std::uint64_t edit_work, memory;
+  std::uint64_t mesh_bytes = 0, full_chunks = 0;  ///< of the published snapshot; chunks at most
   std::optional<JournalWriter> journal;
 
   /// Held for moments only; taken after edit_mutex where both are.
@@ -112,9 +121,13 @@ DestructibleTerrain::Impl::Impl(impl::Ground opened, const DestructibleTerrainSe
       hash(ground.grid),
       base(digest_of(ground, hash.of(ground.grid))),
       history(settings.rewind),
-      edit_work(settings.edit_work) {
+      edit_work(settings.edit_work),
+      memory(settings.memory) {
   history.remember(ground.grid);
   const MeshChanges changes = mesher.update(ground.grid, {}, progress);
+  for (const ChunkChange& change : changes) mesh_bytes += impl::bytes_of(*mesher.chunk(change.chunk));
+  full_chunks = ground.grid.full_chunks();
+  impl::check_memory(use_with(full_chunks, mesh_bytes), ground.grid.frame(), settings);
   publish(next(changes, 1), changes);
 }
 
@@ -129,7 +142,7 @@ SnapshotPtr DestructibleTerrain::Impl::next(const MeshChanges& changes, std::siz
     table.set(change.chunk, std::move(entry));
   }
   return SnapshotPtr(
-      new Snapshot(std::make_unique<Snapshot::State>(version, ground.origin, ground.grid, table)));
+      new Snapshot(std::make_unique<Snapshot::State>(version, ground.place.origin, ground.grid, table)));
 }
 
 void DestructibleTerrain::Impl::publish(SnapshotPtr now, const MeshChanges& changes) {
@@ -139,20 +152,30 @@ void DestructibleTerrain::Impl::publish(SnapshotPtr now, const MeshChanges& chan
 }
 
 void DestructibleTerrain::Impl::bring_in_step(Progress& progress) {
-  if (mesher_in_step) return;
-  const SampleBox everything = ground.grid.samples();
-  mesher.update(ground.grid, {&everything, 1}, progress);
-  mesher_in_step = true;
+  if (behind.empty()) return;
+  mesher.update(ground.grid, behind, progress);
+  behind.clear();
 }
 
 void DestructibleTerrain::Impl::check_work(const Operation& operation) const {
-  const std::uint64_t work = impl::work_of(operation, ground.grid, ground.origin, ground.band);
+  const std::uint64_t work = impl::work_of(operation, ground.grid, ground.place);
   if (work > edit_work)
     fail(ErrorKind::usage,
          "an edit would look at {} samples, more than the {} of DestructibleTerrainSettings::edit_work: make "
          "it smaller, "
          "give its hull fewer corners, or allow more",
          work, edit_work);
+}
+
+void DestructibleTerrain::Impl::check_use(std::uint64_t& full, std::uint64_t meshes) const {
+  if (use_with(full, meshes) <= memory) return;
+  full = ground.grid.full_chunks();
+  const std::uint64_t bytes = use_with(full, meshes);
+  if (bytes > memory)
+    fail(ErrorKind::usage,
+         "an edit would make the terrain take {:.3f} GB, more than the {:.3f} GB of "
+         "DestructibleTerrainSettings::memory: allow more, or use a coarser voxel",
+         static_cast<double>(bytes) * 1e-9, static_cast<double>(memory) * 1e-9);
 }
 
 void DestructibleTerrain::Impl::apply(std::span<const Message> messages, Progress& progress) {
@@ -163,23 +186,33 @@ void DestructibleTerrain::Impl::apply(std::span<const Message> messages, Progres
   bring_in_step(progress);
 
   std::vector<SampleBox> changed;
+  std::uint64_t full = full_chunks, meshes = mesh_bytes;
+  bool meshing = false;
   try {
-    const impl::Editor editor(ground.grid, ground.origin, ground.band, history);
+    const impl::Editor editor(ground.grid, ground.place, history);
     for (std::size_t i = 0; i < messages.size(); ++i) {
       check_work(operations[i]);
       const std::vector<SampleBox> boxes = std::visit(editor, operations[i]);
       history.add(messages[i], boxes);
       history.remember(ground.grid);
       changed.insert(changed.end(), boxes.begin(), boxes.end());
+      for (const SampleBox& box : boxes) full += impl::chunks_of(box);
+      check_use(full, meshes);
       progress.check();
     }
-    const MeshChanges changes =
-        changed.empty() ? MeshChanges() : mesher.update(ground.grid, changed, progress);
+    meshing = !changed.empty();
+    const MeshChanges changes = meshing ? mesher.update(ground.grid, changed, progress) : MeshChanges();
+    for (const ChunkChange& change : changes) {
+      meshes += impl::bytes_of(*mesher.chunk(change.chunk));
+      meshes -= impl::bytes_of(*last->chunk(change.chunk).mesh);
+    }
+    check_use(full, meshes);
     SnapshotPtr now = next(changes, messages.size());
     if (journal) journal->append(messages);
     publish(std::move(now), changes);
+    mesh_bytes = meshes, full_chunks = full;
   } catch (...) {
-    mesher_in_step = false;
+    if (meshing) behind = changed;
     history.cut(last->version() - 1);
     ground.grid = last->grid();
     throw;
@@ -194,7 +227,7 @@ void DestructibleTerrain::Impl::replay(const JournalContents& contents, const st
          file.string(), history.edits().size());
   if (contents.base != base)
     fail(ErrorKind::input,
-         "{}: belongs to another terrain, or to this one with another voxel size, precision or band",
+         "{}: belongs to another terrain, or to this one with another voxel size, precision, band or floor",
          file.string());
   apply(contents.edits, progress);
 }
@@ -226,6 +259,14 @@ std::uint64_t DestructibleTerrain::apply(const Operation& operation) {
   return apply({&message, 1});
 }
 
+Box3d DestructibleTerrain::bounds() const {
+  const volume::GridFrame& frame = impl_->ground.grid.frame();  // which no edit changes
+  const Vec3d origin = impl_->ground.place.origin;
+  Box3d box = frame.box();
+  box.lo.z = frame.position({0, 0, std::max(0, impl_->ground.place.first_layer - 1)}).z;
+  return {box.lo + origin, box.hi + origin};
+}
+
 std::uint64_t DestructibleTerrain::version() const {
   return snapshot()->version();
 }
@@ -242,7 +283,7 @@ mesh::Mesh DestructibleTerrain::mesh() const {
   const std::lock_guard lock(impl_->edit_mutex);
   impl_->bring_in_step(silent());
   mesh::Mesh mesh = impl_->mesher.assemble();
-  mesh.origin = impl_->ground.origin;
+  mesh.origin = impl_->ground.place.origin;
   return mesh;
 }
 

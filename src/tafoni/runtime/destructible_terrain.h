@@ -31,13 +31,20 @@ struct DestructibleTerrainSettings {
   /// and an explosion of more energy than this breaks rock of any depth.
   double band = 0;
   double above = 10, below = 10;  ///< metres that can be built above the highest and dug below the lowest
+  /// Metres, from the lowest rock there is when opened, in which nothing is dug or filled: a floor, so that
+  /// who digs down does not fall out of the world. None: two voxels. 0 lets everything be dug, as journals
+  /// expect that were begun when there was no floor.
+  std::optional<double> floor = {};
   /// None: the scene's own, and `solid` for a volume. An open terrain ends at its border without walls.
-  std::optional<surface::Boundary> boundary;
+  std::optional<surface::Boundary> boundary = {};
   bool polygons = true;  ///< convex polygons for collision by other engines
   /// Allows Rewind. Keeps the ground as opened and at up to eight versions since, as far as they differ. To
   /// go back further costs every edit up to there.
   bool rewind = false;
-  /// Bytes that the terrain may take when opened; more is an error that says how much it would be.
+  /// Bytes that the terrain may take: more when it is opened is an error that says how much it would be, and
+  /// edits that would make it take more are refused, whoever sent them; so give the same to all peers.
+  /// Counted are samples, meshes, what colliders make of them, messages and what rewinding keeps; not what
+  /// snapshots hold that others keep.
   std::uint64_t memory = std::uint64_t{4} << 30;
   /// Samples that one edit may look at: all in its box, and in that of a hull once for each of its sides. A
   /// larger edit is refused, whoever sent it; so give the same to all peers. With the default, 200 samples
@@ -102,10 +109,10 @@ using SnapshotPtr = std::shared_ptr<const Snapshot>;
 /// the same order give the same bytes of samples and meshes on every machine with fused multiply-add.
 class DestructibleTerrain {
  public:
-  /// Opens a scene file, or a volume file that io::read_volume() knows. Throws Error as scene::build() does,
-  /// and Error{usage} for what is too large.
-  /// Small floating pieces, which scene::mesh_scene() leaves out below `scene.min_fragment`, are in the
-  /// samples and so in the ground, as they are in what `tafoni build` writes as a volume.
+  /// Opens a scene file (.toml), a volume file that io::read_volume() knows, or else an elevation model.
+  /// Throws Error as scene::build() does, and Error{usage} for what is too large. Small floating pieces,
+  /// which scene::mesh_scene() leaves out below `scene.min_fragment`, are in the samples and so in the
+  /// ground, as they are in what `tafoni build` writes as a volume.
   static DestructibleTerrain open(const std::filesystem::path& file,
                                   const DestructibleTerrainSettings& settings = {},
                                   Progress& progress = silent());
@@ -131,9 +138,11 @@ class DestructibleTerrain {
   /// To version() - 1 is to undo one edit; costs as many edits as lie between, or 64 and the meshing.
   std::uint64_t rewind(std::uint64_t version) { return apply(Rewind{version}); }
   /// What encode() gave, here or on another machine, one version each; meshed and seen all at once. Throws
-  /// Error{input} for anything else, and Error{usage} for an edit that this terrain refuses.
+  /// Error{input} for anything else, and Error{usage} for one that this terrain refuses; none is made then.
   std::uint64_t apply(std::span<const Message> messages, Progress& progress = silent());
 
+  /// World positions: all that can be dug or filled. Beyond it nothing is solid, but the floor below it.
+  Box3d bounds() const;
   std::uint64_t version() const;
   SnapshotPtr snapshot() const;
   TerrainChunk chunk(Vec3i chunk) const { return snapshot()->chunk(chunk); }

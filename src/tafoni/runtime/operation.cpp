@@ -1,5 +1,5 @@
-// Edits as bytes: version, kind, numbers, little-endian. What is decoded is checked as what is
-// encoded is.
+// Edits as bytes: version, kind, numbers, little-endian. What is decoded is checked as what is encoded is,
+// and must be the very bytes that its operation gives.
 
 #include "tafoni/runtime/operation.h"
 
@@ -145,13 +145,31 @@ Operation get(ByteReader& in) {
   fail(ErrorKind::input, "it is of no known kind");
 }
 
-}  // namespace
+/// The tool that its own numbers give again: a hull made from a hull's corners may leave out some that lie in
+/// its faces.
+volume::Tool lasting(volume::Tool tool) {
+  for (ToolData data = tool.data();;) {
+    tool = volume::Tool::from(data);
+    ToolData again = tool.data();
+    if (again == data) return tool;
+    data = std::move(again);
+  }
+}
 
-Message encode(const Operation& operation) {
+Message written(const Operation& operation) {
   ByteWriter out;
   out.put(message_version);
   std::visit([&](const auto& o) { put(out, o); }, operation);
   return std::move(out.bytes);
+}
+
+}  // namespace
+
+Message encode(const Operation& operation) {
+  const auto* use = std::get_if<ToolUse>(&operation);
+  if (!use) return written(operation);
+  check_corners(use->tool.data().points.size());
+  return written(ToolUse{lasting(use->tool), use->edit});
 }
 
 Operation decode(std::span<const std::byte> message) {
@@ -159,6 +177,8 @@ Operation decode(std::span<const std::byte> message) {
     ByteReader in(message);
     Operation operation = get(in);
     if (!in.done()) fail(ErrorKind::input, "its length is wrong");
+    if (!std::ranges::equal(written(operation), message))
+      fail(ErrorKind::input, "the same edit has a shorter message");
     return operation;
   } catch (const Error& error) {
     fail(ErrorKind::input, "a message of {} bytes is no edit of this program: {}", message.size(),

@@ -37,8 +37,9 @@ struct Rewind {
 };
 using Operation = std::variant<ToolUse, Explosion, Radial, Rewind>;
 
-/// Little-endian and canonical: the same operation gives the same bytes everywhere. A box's turn travels as
-/// cosine and sine, which machines compute differently; so all peers dig the same box.
+/// Little-endian and canonical: the same operation gives the same bytes everywhere, and no other bytes are
+/// taken for it. A box's turn travels as cosine and sine, which machines compute differently; so all peers
+/// dig the same box. A hull travels without corners that change nothing.
 using Message = std::vector<std::byte>;
 /// Throws Error{usage} for numbers that make no edit.
 Message encode(const Operation& operation);

@@ -13,7 +13,7 @@
 #include "tafoni/io/format.h"
 #include "tafoni/io/volume_file.h"
 #include "tafoni/scene/build/build.h"
-#include "tafoni/scene/products/mesh_scene.h"
+#include "tafoni/scene/products/volume_scene.h"
 #include "tafoni/volume/sample.h"
 
 namespace tafoni::runtime::impl {
@@ -26,27 +26,56 @@ using volume::ScalarGrid;
 constexpr double mesh_bytes = 130e3;
 
 void check(const DestructibleTerrainSettings& s) {
-  for (const double v : {s.voxel, s.band, s.above, s.below})
+  for (const double v : {s.voxel, s.band, s.above, s.below, s.floor.value_or(0)})
     if (!(v >= 0) || !std::isfinite(v))
       fail(ErrorKind::usage,
-           "a terrain's voxel, band, above and below are lengths in metres, 0 or more, not {}", v);
+           "a terrain's voxel, band, above, below and floor are lengths in metres, 0 or more, not {}", v);
 }
 
-/// Throws where a terrain of so many chunks with surface, of all in the frame, is too large.
-void check_memory(double chunks, const GridFrame& frame, volume::Precision precision,
-                  const DestructibleTerrainSettings& settings) {
+/// The z of the lowest sample in rock of a chunk, if it is less than `best`; else that.
+int lowest_rock(const ScalarGrid& grid, Vec3i chunk, int best) {
+  constexpr int side = ScalarGrid::chunk_samples;
+  const Vec3i first{chunk.x * side, chunk.y * side, chunk.z * side}, n = grid.frame().size;
+  float value = 0;
+  if (grid.uniform(chunk, &value)) return value > 0 ? std::min(best, first.z) : best;
+  std::vector<float> layer(side * side);
+  for (int z = first.z; z < std::min({first.z + side, n.z, best}); ++z) {
+    const volume::SampleBox box{{first.x, first.y, z},
+                                {std::min(first.x + side, n.x) - 1, std::min(first.y + side, n.y) - 1, z}};
+    grid.read(box, layer.data());
+    if (std::any_of(layer.begin(), layer.begin() + box.count(), [](float v) { return v > 0; })) return z;
+  }
+  return best;
+}
+
+/// Where the floor ends that nothing digs.
+int first_layer_of(const ScalarGrid& grid, const DestructibleTerrainSettings& settings) {
+  const GridFrame& frame = grid.frame();
+  const double height = settings.floor.value_or(2 * frame.spacing);
+  if (height == 0) return 0;
+  const Vec3i chunks = grid.chunks();
+  int lowest = frame.size.z;
+  for (int c = 0; c < chunks.z && lowest == frame.size.z; ++c)
+    for (int b = 0; b < chunks.y; ++b)
+      for (int a = 0; a < chunks.x; ++a) lowest = lowest_rock(grid, {a, b, c}, lowest);
+  return static_cast<int>(std::min<double>(frame.size.z, lowest + std::ceil(height / frame.spacing - 1e-9)));
+}
+
+constexpr double chunk_samples =
+    ScalarGrid::chunk_samples * ScalarGrid::chunk_samples * ScalarGrid::chunk_samples;
+
+double sample_bytes(volume::Precision precision) {
+  return precision == volume::Precision::single ? 4 : 2;
+}
+
+/// The same from an estimate of how many chunks have surface.
+void check_estimate(double chunks, const GridFrame& frame, volume::Precision precision,
+                    const DestructibleTerrainSettings& settings) {
   constexpr double side = ScalarGrid::chunk_samples;
-  const double sample = precision == volume::Precision::single ? 4 : 2;
   const double all =
       std::ceil(frame.size.x / side) * std::ceil(frame.size.y / side) * std::ceil(frame.size.z / side);
-  const double bytes = chunks * (side * side * side * sample + mesh_bytes) + all * 64;
-  if (bytes > static_cast<double>(settings.memory))
-    fail(
-        ErrorKind::usage,
-        "a terrain of {} x {} x {} samples at {:g} m takes about {:.1f} GB, more than the {:.1f} GB allowed: "
-        "use a coarser voxel, half precision or a window of the terrain",
-        frame.size.x, frame.size.y, frame.size.z, frame.spacing, bytes * 1e-9,
-        static_cast<double>(settings.memory) * 1e-9);
+  const double bytes = chunks * (chunk_samples * sample_bytes(precision) + mesh_bytes) + all * 64;
+  check_memory(static_cast<std::uint64_t>(bytes), frame, settings);
 }
 
 /// Whether not all samples of a chunk are beyond the band on one side, by its interval and then by every
@@ -92,6 +121,32 @@ double chunks_with_surface(const field::CompiledField& field, const GridFrame& f
 
 }  // namespace
 
+std::uint64_t bytes_of(const ScalarGrid& grid, std::uint64_t full_chunks) {
+  const Vec3i n = grid.chunks();
+  constexpr std::uint64_t slots = 64;  // of a chunk in the tables of grids and snapshots
+  return std::uint64_t(n.x) * n.y * n.z * slots +
+         full_chunks * static_cast<std::uint64_t>(chunk_samples * sample_bytes(grid.precision()));
+}
+
+std::uint64_t bytes_of(const surface::GridChunkMesh& mesh) {
+  if (mesh.triangles.empty()) return 0;
+  constexpr std::uint64_t kept_by_mesher = 25000, index = 45;  // a chunk, a triangle: see their headers
+  const surface::VoxelPolygons& p = mesh.polygons;
+  return kept_by_mesher + (mesh.positions.size() + mesh.normals.size() + p.voxels.size()) * sizeof(Vec3f) +
+         mesh.triangles.size() * (sizeof(mesh.triangles[0]) + index) +
+         (p.first.size() + p.begin.size() + p.corners.size()) * sizeof(std::uint32_t);
+}
+
+void check_memory(std::uint64_t bytes, const GridFrame& frame, const DestructibleTerrainSettings& settings) {
+  if (bytes > settings.memory)
+    fail(
+        ErrorKind::usage,
+        "a terrain of {} x {} x {} samples at {:g} m takes about {:.1f} GB, more than the {:.1f} GB allowed: "
+        "use a coarser voxel, half precision or a window of the terrain",
+        frame.size.x, frame.size.y, frame.size.z, frame.spacing, static_cast<double>(bytes) * 1e-9,
+        static_cast<double>(settings.memory) * 1e-9);
+}
+
 Ground ground_of(const scene::BuiltScene& scene, const DestructibleTerrainSettings& settings,
                  Progress& progress) {
   check(settings);
@@ -110,14 +165,15 @@ Ground ground_of(const scene::BuiltScene& scene, const DestructibleTerrainSettin
   }
   box.hi.z += settings.above;
   const GridFrame frame = volume::frame_over(box, voxel);
-  check_memory(chunks_with_surface(field, frame, band, progress), frame, settings.precision, settings);
-  return {volume::sample(field, frame, {settings.precision, band}, progress), scene.terrain.origin, boundary,
-          band};
+  check_estimate(chunks_with_surface(field, frame, band, progress), frame, settings.precision, settings);
+  ScalarGrid grid = volume::sample(field, frame, {settings.precision, band}, progress);
+  const int first = first_layer_of(grid, settings);
+  return {std::move(grid), boundary, {scene.terrain.origin, band, first}};
 }
 
 Ground ground_of(ScalarGrid grid, Vec3d origin, const DestructibleTerrainSettings& settings) {
   check(settings);
-  check_memory(static_cast<double>(grid.full_chunks()), grid.frame(), grid.precision(), settings);
+  check_estimate(static_cast<double>(grid.full_chunks()), grid.frame(), grid.precision(), settings);
   const auto band = static_cast<float>(settings.band);
   if (band > 0)
     grid.edit(grid.samples(), [band](Vec3i, std::span<float> row) {
@@ -126,13 +182,14 @@ Ground ground_of(ScalarGrid grid, Vec3d origin, const DestructibleTerrainSetting
   const Interval range = grid.range(grid.frame().box());
   const double most = std::max(std::abs(range.lo), std::abs(range.hi));
   if (!(most > 0)) fail(ErrorKind::usage, "the volume is 0 throughout, so that it has neither rock nor air");
-  return {std::move(grid), origin, settings.boundary.value_or(surface::Boundary::solid), most};
+  const int first = first_layer_of(grid, settings);
+  return {std::move(grid), settings.boundary.value_or(surface::Boundary::solid), {origin, most, first}};
 }
 
 Ground read_ground(const std::filesystem::path& file, const DestructibleTerrainSettings& settings,
                    Progress& progress) {
   if (!io::can(file, io::Ability::read_volume))
-    return ground_of(scene::build(scene::load_scene(file), progress), settings, progress);
+    return ground_of(scene::build(scene::open_document(file.string()), progress), settings, progress);
   io::Volume volume = io::read_volume(file, progress);
   return ground_of(std::move(volume.grid), volume.origin, settings);
 }

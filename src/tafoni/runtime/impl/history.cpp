@@ -20,6 +20,7 @@ namespace {
 constexpr std::uint64_t keep_every = 64;
 /// The ground as opened and eight versions since, as DestructibleTerrainSettings::rewind promises.
 constexpr std::size_t most_kept = 9;
+constexpr int chunk_side = ScalarGrid::chunk_samples;
 
 SampleBox box_around(const SampleBox& a, const SampleBox& b) {
   if (a.empty()) return b;
@@ -31,6 +32,15 @@ Editor::Boxes boxes(const SampleBox& box) {
   return box.empty() ? Editor::Boxes() : Editor::Boxes{box};
 }
 
+/// World boxes outside of which edits change nothing.
+Box3d reach_of(const ToolUse& use, double band) {
+  return use.tool.bounds().grown(band);
+}
+template <class Blast>
+Box3d reach_of(const Blast& edit) {
+  return Box3d{edit.center, edit.center}.grown(edit.radius);
+}
+
 }  // namespace
 
 void History::add(const Message& message, const std::vector<SampleBox>& changed) {
@@ -38,18 +48,49 @@ void History::add(const Message& message, const std::vector<SampleBox>& changed)
   for (const SampleBox& box : changed) all = box_around(all, box);
   changed_.push_back(all);
   edits_.push_back(message);
+  message_bytes_ += message.size();
 }
 
 void History::cut(std::size_t count) {
+  for (std::size_t i = count; i < edits_.size(); ++i) message_bytes_ -= edits_[i].size();
   edits_.resize(count);
   changed_.resize(count);
-  while (!kept_.empty() && kept_.back().first > version()) kept_.pop_back();
+  while (!kept_.empty() && kept_.back().version > version()) kept_.pop_back();
+  if (!kept_.empty()) kept_.back().own.clear();
+}
+
+std::uint64_t chunks_of(const SampleBox& box) {
+  const auto count = [](int lo, int hi) -> std::uint64_t { return hi / chunk_side - lo / chunk_side + 1; };
+  return count(box.lo.x, box.hi.x) * count(box.lo.y, box.hi.y) * count(box.lo.z, box.hi.z);
+}
+
+/// The chunks that edits changed since a version.
+History::Chunks History::chunks_since(std::uint64_t to) const {
+  Chunks out;
+  for (const SampleBox& box : changed_since(to))
+    for (int c = box.lo.z / chunk_side; c <= box.hi.z / chunk_side; ++c)
+      for (int b = box.lo.y / chunk_side; b <= box.hi.y / chunk_side; ++b)
+        for (int a = box.lo.x / chunk_side; a <= box.hi.x / chunk_side; ++a) out.insert({a, b, c});
+  return out;
 }
 
 void History::remember(const ScalarGrid& grid) {
-  if (!keeps_past_ || (!kept_.empty() && version() < kept_.back().first + keep_every)) return;
-  kept_.emplace_back(version(), grid);
-  if (kept_.size() > most_kept) kept_.erase(kept_.begin() + 1);
+  if (!keeps_past_ || (!kept_.empty() && version() < kept_.back().version + keep_every)) return;
+  if (!kept_.empty()) kept_.back().own = chunks_since(kept_.back().version);
+  kept_.push_back({version(), grid});
+  if (kept_.size() <= most_kept) return;
+  kept_[0].own.merge(kept_[1].own);
+  kept_.erase(kept_.begin() + 1);
+}
+
+std::uint64_t History::bytes() const {
+  constexpr std::uint64_t edit = sizeof(Message) + sizeof(SampleBox);
+  constexpr std::uint64_t samples = std::uint64_t{chunk_side} * chunk_side * chunk_side;
+  std::uint64_t chunks = kept_.empty() ? 0 : chunks_since(kept_.back().version).size();
+  for (const Kept& kept : kept_) chunks += kept.own.size();
+  const std::uint64_t sample =
+      kept_.empty() || kept_[0].grid.precision() == volume::Precision::single ? 4 : 2;
+  return edits_.size() * edit + message_bytes_ + chunks * samples * sample;
 }
 
 void History::check_rewind(std::uint64_t to) const {
@@ -61,17 +102,17 @@ void History::check_rewind(std::uint64_t to) const {
          version());
 }
 
-ScalarGrid History::grid_at(std::uint64_t to, Vec3d origin, double band) const {
+ScalarGrid History::grid_at(std::uint64_t to, const Place& place) const {
   // Runs of edits, (first, last] by version, are collected from the end back; each begins where a rewind led.
   std::vector<std::pair<std::uint64_t, std::uint64_t>> runs;
   const ScalarGrid* start = nullptr;
   while (!start) {
     const auto after = std::upper_bound(kept_.begin(), kept_.end(), to,
-                                        [](std::uint64_t v, const auto& kept) { return v < kept.first; });
-    const auto& kept = *(after - 1);
+                                        [](std::uint64_t v, const Kept& kept) { return v < kept.version; });
+    const Kept& kept = *(after - 1);
     std::uint64_t from = to;
     std::optional<std::uint64_t> led;
-    for (; from > kept.first && !led; --from) {
+    for (; from > kept.version && !led; --from) {
       const Operation operation = decode(edits_[from - 2]);
       if (const auto* rewind = std::get_if<Rewind>(&operation)) led = rewind->version;
     }
@@ -79,10 +120,10 @@ ScalarGrid History::grid_at(std::uint64_t to, Vec3d origin, double band) const {
     if (led)
       to = *led;
     else
-      start = &kept.second;
+      start = &kept.grid;
   }
   ScalarGrid grid = *start;
-  const Editor editor(grid, origin, band, *this);
+  const Editor editor(grid, place, *this);
   for (auto run = runs.rbegin(); run != runs.rend(); ++run)
     for (std::uint64_t v = run->first + 1; v <= run->second; ++v)
       (void)std::visit(editor, decode(edits_[v - 2]));
@@ -96,14 +137,34 @@ std::vector<SampleBox> History::changed_since(std::uint64_t to) const {
   return out;
 }
 
+/// Makes a change within the bounds, world, and takes back what it does to the floor.
+template <class Change>
+Editor::Boxes Editor::above_floor(const Box3d& bounds, const Change& change) const {
+  // A sample more each way: the change has its bounds from numbers that are rounded otherwise.
+  const Box3d box = bounds.grown(grid_.frame().spacing);
+  SampleBox floor = grid_.samples_in({box.lo - place_.origin, box.hi - place_.origin});
+  floor.hi.z = std::min(floor.hi.z, place_.first_layer - 1);
+  std::vector<float> before(floor.empty() ? 0 : floor.count());
+  if (!floor.empty()) grid_.read(floor, before.data());
+  SampleBox changed = change();
+  if (!floor.empty() && !changed.empty() && changed.lo.z < place_.first_layer) {
+    grid_.write(floor, before.data());
+    changed.lo.z = place_.first_layer;
+  }
+  return boxes(changed);
+}
+
 Editor::Boxes Editor::operator()(const ToolUse& use) const {
   volume::ToolData data = use.tool.data();
-  for (Vec3d& p : data.points) p -= origin_;
-  return boxes(volume::apply(grid_, volume::Tool::from(data), use.edit, band_));
+  for (Vec3d& p : data.points) p -= place_.origin;
+  return above_floor(reach_of(use, place_.band),
+                     [&] { return volume::apply(grid_, volume::Tool::from(data), use.edit, place_.band); });
 }
 
 Editor::Boxes Editor::operator()(const Explosion& e) const {
-  return boxes(volume::explode(grid_, e.center - origin_, e.radius, e.energy, band_));
+  return above_floor(reach_of(e), [&] {
+    return volume::explode(grid_, e.center - place_.origin, e.radius, e.energy, place_.band);
+  });
 }
 
 Editor::Boxes Editor::operator()(const Radial& r) const {
@@ -114,31 +175,33 @@ Editor::Boxes Editor::operator()(const Radial& r) const {
     const double t = at - static_cast<double>(i);  // the two apart, since their difference may be no number
     return r.change[i] * (1 - t) + r.change[i + 1] * t;
   };
-  return boxes(volume::add_radial(grid_, r.center - origin_, r.radius, change, band_));
+  return above_floor(reach_of(r), [&] {
+    return volume::add_radial(grid_, r.center - place_.origin, r.radius, change, place_.band);
+  });
 }
 
 Editor::Boxes Editor::operator()(const Rewind& rewind) const {
   history_.check_rewind(rewind.version);
-  grid_ = history_.grid_at(rewind.version, origin_, band_);
+  grid_ = history_.grid_at(rewind.version, place_);
   return history_.changed_since(rewind.version);
 }
 
-std::uint64_t work_of(const Operation& operation, const ScalarGrid& grid, Vec3d origin, double band) {
+std::uint64_t work_of(const Operation& operation, const ScalarGrid& grid, const Place& place) {
   Box3d box;
   std::uint64_t each = 1;
   if (const auto* use = std::get_if<ToolUse>(&operation)) {
-    box = use->tool.bounds().grown(band);
+    box = reach_of(*use, place.band);
     const volume::ToolData data = use->tool.data();
     if (data.kind == volume::ToolData::Kind::hull) each = 2 * data.points.size() - 4;
   } else if (const auto* e = std::get_if<Explosion>(&operation)) {
-    box = Box3d{e->center, e->center}.grown(e->radius);
+    box = reach_of(*e);
   } else if (const auto* r = std::get_if<Radial>(&operation)) {
-    box = Box3d{r->center, r->center}.grown(r->radius);
+    box = reach_of(*r);
   } else {
     return 0;
   }
   const Vec3<std::uint64_t> n = [&] {
-    const Vec3i size = grid.samples_in({box.lo - origin, box.hi - origin}).size();
+    const Vec3i size = grid.samples_in({box.lo - place.origin, box.hi - place.origin}).size();
     const auto count = [](int v) -> std::uint64_t { return std::max(v, 0); };
     return Vec3<std::uint64_t>{count(size.x), count(size.y), count(size.z)};
   }();

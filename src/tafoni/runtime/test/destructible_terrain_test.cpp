@@ -1,5 +1,6 @@
 #include "tafoni/runtime/destructible_terrain.h"
 
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -336,6 +337,22 @@ TEST(DestructibleTerrain, RewindsAfterEditsThatWereNotMade) {
   }
 }
 
+TEST(DestructibleTerrain, OpensElevationModels) {
+  const TestFolder folder;
+  std::ofstream file(folder.path / "hill.asc");
+  file << "ncols 40\nnrows 40\nxllcorner 1000\nyllcorner 2000\ncellsize 1\n";
+  for (int row = 0; row < 40; ++row) {
+    for (int col = 0; col < 40; ++col) file << 30 + 3 * std::sin(0.2 * col) << ' ';
+    file << '\n';
+  }
+  file.close();
+  const DestructibleTerrain terrain = DestructibleTerrain::open(folder.path / "hill.asc", {.voxel = 1});
+  const auto ground = terrain.snapshot()->ray({1020, 2020, 500}, {0, 0, -1}, 1000);
+  ASSERT_TRUE(ground);
+  EXPECT_NEAR(ground->point.z, 30 + 3 * std::sin(0.2 * 19.5), 0.2);
+  EXPECT_THAT(error_of([&] { DestructibleTerrain::open(folder.path / "none.tif"); }), HasSubstr("none.tif"));
+}
+
 TEST(DestructibleTerrain, OpensScenesAndVolumes) {
   const TestFolder folder;
   const fs::path& root = folder.path;
@@ -371,6 +388,7 @@ TEST(DestructibleTerrain, OpensScenesAndVolumes) {
   settings.voxel = -1;
   EXPECT_THAT(error_of([&] { DestructibleTerrain::open(root / "a.toml", settings); }),
               HasSubstr("lengths in metres, 0 or more, not -1"));
+  EXPECT_THAT(error_of([&] { hills({.floor = std::nan("")}); }), HasSubstr("0 or more, not nan"));
 }
 
 }  // namespace

@@ -92,6 +92,49 @@ TEST(Operation, HullsOfMoreCornersThanAMessageTakesAreRefusedBeforeTheyAreMade) 
   }
 }
 
+/// The message of a hull of just these corners, whatever encode() would make of them.
+Message hull_message(const std::vector<Vec3d>& corners) {
+  const std::vector<Vec3d> simplex{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  Message message = encode(ToolUse{volume::Tool::hull(simplex), volume::Edit::remove});
+  const auto count = static_cast<std::uint32_t>(corners.size());
+  std::memcpy(message.data() + 4, &count, sizeof(count));
+  message.resize(8 + corners.size() * sizeof(Vec3d) + 4);
+  std::memcpy(message.data() + 8, corners.data(), corners.size() * sizeof(Vec3d));
+  std::memset(message.data() + message.size() - 4, 0, 4);
+  return message;
+}
+
+TEST(Operation, OnlyWhatEncodeGivesIsTaken) {
+  std::vector<Vec3d> corners{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}};
+  const Message message = hull_message(corners);
+  EXPECT_EQ(encode(decode(message)), message);
+  for (Vec3d more : {Vec3d{1, 1, 1}, Vec3d{4, 0, 0}, Vec3d{0, 0, 0}}) {
+    std::vector<Vec3d> longer = corners;
+    longer.push_back(more);
+    EXPECT_THAT(error_of([&] { decode(hull_message(longer)); }),
+                ::testing::HasSubstr("the same edit has a shorter message"));
+  }
+  // Points in the faces and edges of a block may or may not be taken for corners, but what is sent is
+  // received.
+  Random random(2);
+  for (int i = 0; i < 300; ++i) {
+    std::vector<Vec3d> points;
+    const std::uint64_t n = 5 + random.below(50);
+    const auto tenth = [&] { return 0.1 * static_cast<double>(random.below(4)); };
+    while (points.size() < n) {
+      const double x = tenth(), y = tenth();
+      points.push_back({x, y, tenth()});
+    }
+    Message sent;
+    try {
+      sent = encode(ToolUse{volume::Tool::hull(points), volume::Edit::add});
+    } catch (const Error&) {
+      continue;  // they lie in a plane
+    }
+    EXPECT_EQ(encode(decode(sent)), sent) << i;
+  }
+}
+
 TEST(Operation, WhatMakesNoEditIsRefused) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(error_of([&] {

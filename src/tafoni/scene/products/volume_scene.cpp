@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <vector>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/field/chunks.h"
+#include "tafoni/io/format.h"
 #include "tafoni/math/whole.h"
 
 namespace tafoni::scene {
@@ -98,6 +100,18 @@ Document volume_document(const std::string& path) {
   layer.type = "volume";
   layer.values["file"] = path;
   document.layers.push_back(std::move(layer));
+  return document;
+}
+
+bool is_scene_file(const std::string& path) {
+  return std::filesystem::path(path).extension() == ".toml";
+}
+
+Document open_document(const std::string& path) {
+  if (is_scene_file(path)) return load_scene(path);
+  if (io::can(path, io::Ability::read_volume)) return volume_document(path);
+  Document document;
+  document.terrain.source = path;
   return document;
 }
 

@@ -21,4 +21,8 @@ volume::GridFrame volume_frame(const BuiltScene& scene, double band, Progress& p
 /// the volume. Throws nothing; the file is opened when the scene is built.
 Document volume_document(const std::string& path);
 
+bool is_scene_file(const std::string& path);
+/// A scene file (.toml), or a scene of nothing but an elevation model or a volume.
+Document open_document(const std::string& path);
+
 }  // namespace tafoni::scene
