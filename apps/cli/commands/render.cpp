@@ -109,9 +109,9 @@ int run(const Render& r, Console& console) {
   if (!r.cut.empty() && !r.geology) fail(ErrorKind::usage, "--cut: needs --geology");
   if (r.geology && r.is_inside) fail(ErrorKind::usage, "--geology and --inside exclude each other");
   const mesh::Mesh mesh = mesh_of(r, settings, console);
-  const render::Scene scene(mesh, console);
-  const render::Camera camera = camera_of(r, scene, settings);
-  io::write_image(r.output, scene.render(camera, settings, console));
+  const auto scene = of_file(r.input, [&] { return std::make_unique<const render::Scene>(mesh, console); });
+  const render::Camera camera = camera_of(r, *scene, settings);
+  io::write_image(r.output, scene->render(camera, settings, console));
   console.print(fmt::format("{}  {} x {} pixels\ncamera {},{},{},{},{},{}\n", r.output, settings.width,
                             settings.height, camera.eye.x, camera.eye.y, camera.eye.z, camera.target.x,
                             camera.target.y, camera.target.z));

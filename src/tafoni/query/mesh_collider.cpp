@@ -1,20 +1,12 @@
 #include "tafoni/query/mesh_collider.h"
 
-#include <cmath>
-
-#include "tafoni/core/error.h"
+#include "tafoni/mesh/inner/traceable.h"
 #include "tafoni/query/impl/triangle_tree.h"
 
 namespace tafoni::query {
 
 MeshCollider::MeshCollider(const mesh::Mesh& mesh) {
-  for (const auto& t : mesh.triangles)
-    for (std::uint32_t v : t)
-      if (v >= mesh.positions.size())
-        fail(ErrorKind::input, "a triangle names vertex {} of {}", v, mesh.positions.size());
-  for (const Vec3f& p : mesh.positions)
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-      fail(ErrorKind::input, "a vertex of the mesh is not finite");
+  mesh::inner::check_traceable(mesh);
   tree_ = std::make_unique<impl::TriangleTree>(mesh.positions, mesh.triangles);
 }
 MeshCollider::~MeshCollider() = default;

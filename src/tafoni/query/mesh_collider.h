@@ -13,7 +13,7 @@ namespace tafoni::query {
 class MeshCollider : public Collider {
  public:
   /// Holds about 45 bytes a triangle. Throws Error{input} for indices out of range and positions that are not
-  /// finite.
+  /// finite or farther than 1e9 m from the origin.
   explicit MeshCollider(const mesh::Mesh& mesh);
   ~MeshCollider() override;
 

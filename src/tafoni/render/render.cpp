@@ -10,6 +10,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/mesh/inner/traceable.h"
 #include "tafoni/render/impl/film.h"
 #include "tafoni/render/impl/framing.h"
 #include "tafoni/render/impl/integrator.h"
@@ -36,8 +37,22 @@ constexpr float clear_air =
 constexpr double haze_depth = 0.11;  // optical depth that the typical distance would have
 constexpr int sky_directions = 256;  // stand for all of the sky
 
-bool finite(Vec3d p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+/// Rays begin where floats still can tell the mesh, however large that is; `what` is local.
+void check_place(Vec3d what, const char* name) {
+  for (const double d : {what.x, what.y, what.z})
+    if (!(std::abs(d) <= 100 * mesh::inner::farthest_vertex))
+      fail(
+          ErrorKind::usage,
+          "The camera's {} is {:g} m from the mesh's origin, where nothing can be drawn; give a place nearer "
+          "to the mesh.",
+          name, d);
+}
+
+void check_finite(const RenderSettings& s) {
+  for (const double d : {s.sun_azimuth.value_or(0), s.sun_elevation, s.sun_radius, s.sea_level.value_or(0),
+                         s.exposure, s.haze, s.azimuth.value_or(0), s.elevation.value_or(0)})
+    if (!(std::abs(d) <= mesh::inner::farthest_vertex))
+      fail(ErrorKind::usage, "A picture cannot be drawn with a setting of {:g}; give one in its range.", d);
 }
 
 /// `camera` is local here.
@@ -47,13 +62,15 @@ View view_of(const Camera& camera, const RenderSettings& settings) {
          settings.width, settings.height);
   if (settings.samples < 1 || settings.samples > 4096)
     fail(ErrorKind::usage, "{} samples a pixel cannot be drawn; give 1 to 4096.", settings.samples);
+  check_finite(settings);
+  check_place(camera.eye, "eye");
+  check_place(camera.target, "target");
   const Vec3d forward = normalized(camera.target - camera.eye);
   Vec3d right = cross(forward, normalized(camera.up));
   // Straight up or down has no horizon to keep level; north is up in the picture then.
   if (length(right) < 1e-6) right = cross(forward, Vec3d{0, 1, 0});
   right = normalized(right);
-  const bool sound = finite(camera.eye) && finite(camera.target) && length(forward) > 0.5 &&
-                     length(right) > 0.5 && camera.fov > 0.001 && camera.fov < 3.1;
+  const bool sound = length(forward) > 0.5 && length(right) > 0.5 && camera.fov > 0.001 && camera.fov < 3.1;
   if (!sound)
     fail(ErrorKind::usage,
          "The camera makes no picture: eye and target must differ and the angle of view be 0.06 to 177 "
@@ -165,13 +182,18 @@ Scene::Scene(const mesh::Mesh& mesh, Progress& progress) : state_(std::make_uniq
 Scene::~Scene() = default;
 
 Camera Scene::frame(const RenderSettings& settings) const {
+  check_finite(settings);
   return state_->move(impl::best_outside(state_->world, settings, state_->local_sea(settings)),
                       state_->world.mesh().origin);
 }
 
 Camera Scene::frame_inside(const RenderSettings& settings, std::optional<Vec3d> eye) const {
+  check_finite(settings);
   std::optional<Vec3f> local;
-  if (eye) local = to_float(*eye - state_->world.mesh().origin);
+  if (eye) {
+    check_place(*eye - state_->world.mesh().origin, "eye");
+    local = to_float(*eye - state_->world.mesh().origin);
+  }
   return state_->move(impl::best_inside(state_->world, local, state_->local_sea(settings)),
                       state_->world.mesh().origin);
 }

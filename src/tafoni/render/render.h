@@ -35,7 +35,8 @@ struct RenderSettings {
 /// A mesh made ready for tracing, so that several pictures share the work. Keeps a reference to the mesh.
 class Scene {
  public:
-  /// Throws Error{input} for a mesh without triangles.
+  /// Throws Error{input} for a mesh without triangles, with wrong indices, or with vertices that are not
+  /// finite or farther than 1e9 m from its origin.
   explicit Scene(const mesh::Mesh& mesh, Progress& progress = silent());
   ~Scene();
   Scene(const Scene&) = delete;

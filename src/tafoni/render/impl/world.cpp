@@ -8,6 +8,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/mesh/inner/traceable.h"
 #include "tafoni/render/inner/palette.h"
 
 namespace tafoni::render::impl {
@@ -16,6 +17,7 @@ namespace {
 const mesh::Mesh& require_triangles(const mesh::Mesh& mesh) {
   if (mesh.triangles.empty())
     fail(ErrorKind::input, "The mesh has no triangles, so there is nothing to draw.");
+  mesh::inner::check_traceable(mesh);
   return mesh;
 }
 

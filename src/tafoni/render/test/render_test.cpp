@@ -1,6 +1,7 @@
 #include "tafoni/render/render.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -220,6 +221,42 @@ TEST(Render, RefusesCamerasAndSizesThatMakeNoPicture) {
   Camera down = camera;
   down.target = down.eye - Vec3d{0, 0, 5};
   EXPECT_NO_THROW(scene.render(down, small()));
+}
+
+TEST(Render, RefusesWhatLiesBeyondAllPlaces) {
+  const mesh::Mesh sound = terrain(10, 1);
+  const auto with = [&](auto&& change) {
+    mesh::Mesh mesh = sound;
+    change(mesh);
+    return error_of([&] { const Scene scene(mesh); });
+  };
+  // Little beyond the limit, so that nothing is harmed where it should fail.
+  EXPECT_THAT(with([](mesh::Mesh& m) { m.positions[7].y = -1.1e9f; }),
+              HasSubstr("a vertex of the mesh lies 1.1e+09 m from its origin"));
+  EXPECT_THAT(with([](mesh::Mesh& m) { m.positions[7].x = std::nanf(""); }), HasSubstr("is not finite"));
+  EXPECT_THAT(with([](mesh::Mesh& m) { m.triangles[3][1] = 1u << 30; }),
+              HasSubstr("a triangle names vertex 1073741824 of"));
+  EXPECT_THAT(with([](mesh::Mesh& m) { m.normals.resize(3); }), HasSubstr("normals or colours for 3"));
+  EXPECT_EQ(with([](mesh::Mesh& m) { m.positions[7].y = -0.9e9f; }), "");
+
+  const Scene scene(sound);
+  const Camera camera = scene.frame(small());
+  for (const double far : {1.1e11, 1e300, std::numeric_limits<double>::infinity(), std::nan("")}) {
+    Camera off = camera;
+    off.eye.x = far;
+    EXPECT_THAT(error_of([&] { scene.render(off, small()); }), HasSubstr("The camera's eye is"));
+    EXPECT_THAT(error_of([&] { (void)scene.frame_inside(small(), off.eye); }), HasSubstr("eye is"));
+    off = camera;
+    off.target.z = -far;
+    EXPECT_THAT(error_of([&] { scene.render(off, small()); }), HasSubstr("The camera's target is"));
+    RenderSettings settings = small();
+    settings.sun_azimuth = far;
+    EXPECT_THAT(error_of([&] { scene.render(camera, settings); }),
+                HasSubstr("cannot be drawn with a setting"));
+    settings = small();
+    settings.azimuth = far;
+    EXPECT_THAT(error_of([&] { (void)scene.frame(settings); }), HasSubstr("cannot be drawn with a setting"));
+  }
 }
 
 TEST(Render, CanBeCancelled) {
