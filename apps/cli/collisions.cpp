@@ -123,7 +123,7 @@ CollisionGround ground_of_scene(const scene::BuiltScene& scene) {
 
 CollisionGround ground_of_mesh(const std::string& path) {
   const mesh::Mesh mesh = io::read_mesh(path);
-  return {std::make_unique<query::MeshCollider>(mesh), mesh.origin, {}};
+  return {of_file(path, [&] { return std::make_unique<query::MeshCollider>(mesh); }), mesh.origin, {}};
 }
 
 std::string AnswerTable::text(bool json) const {
@@ -179,19 +179,22 @@ AnswerTable answer(const Question& question, const CollisionGround& ground, cons
 }
 
 AnswerTable walk(const CollisionGround& ground, const query::WalkSettings& settings, Console& console) {
-  // How deep the field itself says that the capsule is; the mesh is that far from it, at most.
+  // How deep the capsule is in the rock of the field itself; the mesh is that far from it, at most.
   const auto depth = [&](const query::Capsule& shape) {
     if (!ground.field) return 0.0;
     const std::vector<Vec3d> points = query::surface_points(shape, 0);
     std::vector<float> values(points.size());
     ground.field->values(points, values);
-    return std::max<double>(0, *std::max_element(values.begin(), values.end()));
+    double most = 0;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (values[i] > 0) most = std::max(most, query::depth_in(*ground.field, points[i]));
+    return most;
   };
   const auto walks =
       query::random_walks(*ground.collider, ground.collider->bounds(), settings, depth, console);
   AnswerTable table;
-  table.columns = {"from_x", "from_y", "from_z",  "to_x",    "to_y", "to_z",
-                   "metres", "moves",  "arrived", "overlap", "field"};
+  table.columns = {"from_x", "from_y", "from_z",  "to_x",    "to_y",       "to_z",
+                   "metres", "moves",  "arrived", "overlap", "field_depth"};
   for (const query::Walk& w : walks) {
     Answer row;
     append(row, w.from + ground.origin);

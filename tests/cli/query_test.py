@@ -4,6 +4,7 @@ import json
 import math
 import random
 import signal
+import struct
 import subprocess
 
 from case import TAFONI, Case
@@ -50,6 +51,66 @@ class Brute:
         return min(f, self.sigma(self.border(x, y, z)))
 
 
+def minus(a, b):
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a, b):
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def to_segment(p, a, b):
+    along, off = minus(b, a), minus(p, a)
+    full = dot(along, along)
+    t = min(max(dot(off, along) / full, 0), 1) if full > 0 else 0
+    return math.dist(p, [a[k] + t * along[k] for k in range(3)])
+
+
+def to_triangle(p, t):
+    """Metres from a point to a triangle: to its plane where it lies over it, else to its edges."""
+    n = cross(minus(t[1], t[0]), minus(t[2], t[0]))
+    size = math.sqrt(dot(n, n))
+    over = size > 0 and all(dot(cross(minus(t[(i + 1) % 3], t[i]), minus(p, t[i])), n) >= 0 for i in range(3))
+    if over:
+        return abs(dot(minus(p, t[0]), n)) / size
+    return min(to_segment(p, t[i], t[(i + 1) % 3]) for i in range(3))
+
+
+def crosses(p, t, way=(0.313, 0.271, 0.91)):
+    """Whether a ray from the point meets the triangle [Moller and Trumbore]."""
+    u, v, off = minus(t[1], t[0]), minus(t[2], t[0]), minus(p, t[0])
+    h = cross(way, v)
+    det = dot(u, h)
+    if det == 0:
+        return False
+    a, q = dot(off, h) / det, cross(off, u)
+    b = dot(way, q) / det
+    return a >= 0 and b >= 0 and a + b <= 1 and dot(v, q) / det > 0
+
+
+def world_triangles(file):
+    """The triangles of a GLB, z up, in world positions."""
+    data = file.read_bytes()
+    length = struct.unpack_from("<I", data, 12)[0]
+    head, body = json.loads(data[20:20 + length]), data[28 + length:]
+    part = head["meshes"][0]["primitives"][0]
+
+    def read(accessor, code, width):
+        a = head["accessors"][accessor]
+        view = head["bufferViews"][a["bufferView"]]
+        at = view.get("byteOffset", 0) + a.get("byteOffset", 0)
+        return list(struct.iter_unpack("<" + code * width, body[at:at + a["count"] * 4 * width]))
+
+    ox, oy, oz = head["nodes"][0]["extras"]["world_origin"]
+    corners = [(x + ox, -z + oy, y + oz) for x, y, z in read(part["attributes"]["POSITION"], "f", 3)]
+    indices = [i for i, in read(part["indices"], "I", 1)]
+    return [[corners[i] for i in indices[t:t + 3]] for t in range(0, len(indices), 3)]
+
+
 class Query(Case):
     def check(self, west, south):
         pixel, n, R, T, voxel = 2.0, 40, 12.0, 6.0, 1.0
@@ -79,12 +140,12 @@ class Query(Case):
         points += [p[1:4] for p in primitives]
         (self.dir / "q.csv").write_text("x,y,z\n" + "".join(f"{x!r},{y!r},{z!r}\n" for x, y, z in points))
         rows = self.passes("query", "s.toml", "--points", "q.csv").splitlines()
-        self.assertEqual(rows[0], "x,y,z,f,gx,gy,gz")
+        self.assertEqual(rows[0], "x,y,z,f,gx,gy,gz,distance")
         self.assertEqual(len(rows), len(points) + 1)
         worst = 0
         smooth = 0
         for point, row in zip(points, rows[1:]):
-            x, y, z, f, gx, gy, gz = map(float, row.split(","))
+            x, y, z, f, gx, gy, gz, _ = map(float, row.split(","))
             self.assertEqual((x, y, z), tuple(map(float, point)))
             worst = max(worst, abs(f - brute.value(x, y, z)))
             step = 1e-3
@@ -101,6 +162,32 @@ class Query(Case):
 
     def test_equals_brute_force_far_from_the_origin(self):
         self.check(1000000, 5500000)
+
+    def test_distances_are_those_of_the_mesh(self):
+        """Near caves, where the field is no distance: every triangle is looked at, and sides come from crossings."""
+        self.hill(n=24, pixel=2.0)
+        rng = random.Random(8)
+        caves = [("point", rng.uniform(8, 40), rng.uniform(8, 40), rng.uniform(38, 52), rng.uniform(4, 9), -110)
+                 for _ in range(12)]
+        (self.dir / "p.csv").write_text("kind,x,y,z,radius,energy\n" + "".join(",".join(map(str, p)) + "\n" for p in caves))
+        (self.dir / "s.toml").write_text("[scene]\nvoxel = 2\nmin_fragment = 0\n[terrain]\nsource = 'hill.asc'\n"
+                                         "[[layer]]\ntype = 'primitives'\nfile = 'p.csv'\n")
+        self.passes("build", "s.toml", "-o", "s.glb")
+        triangles = world_triangles(self.dir / "s.glb")
+        points = [(rng.uniform(-5, 53), rng.uniform(-5, 53), rng.uniform(20, 70)) for _ in range(30)]
+        points += [tuple(v + rng.uniform(-3, 3) for v in p[1:4]) for p in caves]
+        text = "".join(",".join(map(repr, p)) + "\n" for p in points)
+        rows = self.passes("query", "s.toml", "--points", "-", stdin=text).splitlines()[1:]
+        misled = 0
+        for point, row in zip(points, rows):
+            field, distance = float(row.split(",")[3]), float(row.split(",")[7])
+            nearest = min(to_triangle(point, t) for t in triangles)
+            inside = sum(crosses(point, t) for t in triangles) % 2 == 1
+            self.assertAlmostEqual(distance, nearest if inside else -nearest, delta=2e-4)
+            misled += abs(field - distance) > 20
+        self.assertGreater(misled, 5)
+        values = json.loads(self.passes("query", "s.toml", "--points", "-", "--json", stdin=text))
+        self.assertEqual([v["distance"] for v in values], [float(r.split(",")[7]) for r in rows])
 
     def test_reads_standard_input_and_writes_files(self):
         self.hill()

@@ -1,7 +1,9 @@
-// tafoni query: values of a scene's field at points, or answers to rays, spheres and walks, read from CSV.
+// tafoni query: a scene's field and its surface's distance at points, or answers to rays, spheres and walks,
+// read from CSV.
 #include <algorithm>
 #include <iostream>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -34,15 +36,19 @@ Text read_table(const std::string& path) {
   return {{std::istreambuf_iterator<char>(std::cin), {}}, "standard input"};
 }
 
-void append_row(fmt::memory_buffer& out, bool json, Vec3d p, float f, Vec3f g) {
+void append_row(fmt::memory_buffer& out, bool json, Vec3d p, float f, Vec3f g,
+                std::optional<double> distance) {
   // Positions in full, so that those of UTM size stay exact; the field with the digits a float has.
   const auto at = std::back_inserter(out);
   g += Vec3f{};  // turns -0 into 0
+  const std::string metres = distance ? fmt::format("{:.9g}", *distance + 0.0) : json ? "null" : "";
   if (json)
-    fmt::format_to(at, R"({{"x": {}, "y": {}, "z": {}, "f": {:.9g}, "gradient": [{:.9g}, {:.9g}, {:.9g}]}})",
-                   p.x, p.y, p.z, f, g.x, g.y, g.z);
+    fmt::format_to(
+        at,
+        R"({{"x": {}, "y": {}, "z": {}, "f": {:.9g}, "gradient": [{:.9g}, {:.9g}, {:.9g}], "distance": {}}})",
+        p.x, p.y, p.z, f, g.x, g.y, g.z, metres);
   else
-    fmt::format_to(at, "{},{},{},{:.9g},{:.9g},{:.9g},{:.9g}\n", p.x, p.y, p.z, f, g.x, g.y, g.z);
+    fmt::format_to(at, "{},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{}\n", p.x, p.y, p.z, f, g.x, g.y, g.z, metres);
 }
 
 void give(const Query& q, const std::string& text, Console& console) {
@@ -52,30 +58,37 @@ void give(const Query& q, const std::string& text, Console& console) {
     write_file(q.output, text);
 }
 
-std::string field_at(const scene::BuiltScene& scene, const std::vector<Vec3d>& world, bool json,
+/// Metres: from farther off nobody asks how far the surface is.
+constexpr double farthest = 1e9;
+
+std::string field_at(const CollisionGround& ground, const std::vector<Vec3d>& world, bool json,
                      Progress& progress) {
-  const field::CompiledField field = scene.field_for(scene.boundary());
   std::vector<Vec3d> local(world.size());
-  std::transform(world.begin(), world.end(), local.begin(),
-                 [&](Vec3d p) { return scene.terrain.to_local(p); });
+  std::transform(world.begin(), world.end(), local.begin(), [&](Vec3d p) { return p - ground.origin; });
   std::vector<float> values(world.size());
   std::vector<Vec3f> gradients(world.size());
+  std::vector<std::optional<double>> distances(world.size());
   progress.begin("points", world.size(), "points");
-  parallel_blocks(std::ssize(world), 4096, [&](std::int64_t begin, std::int64_t end) {
+  parallel_blocks(std::ssize(world), 256, [&](std::int64_t begin, std::int64_t end) {
     const std::size_t first = begin, count = end - begin;
-    field.gradients(std::span(local).subspan(first, count), std::span(values).subspan(first, count),
-                    std::span(gradients).subspan(first, count));
-    progress.advance(count);
+    ground.field->gradients(std::span(local).subspan(first, count), std::span(values).subspan(first, count),
+                            std::span(gradients).subspan(first, count));
+    for (std::int64_t i = begin; i < end; ++i) {
+      progress.advance();
+      if (length(local[i]) > farthest) continue;
+      const auto near = ground.collider->closest(local[i], std::numeric_limits<double>::infinity());
+      if (near) distances[i] = -near->distance;  // positive in rock, as f is
+    }
   });
   progress.end();
 
   fmt::memory_buffer out;
   const auto text = [&](std::string_view s) { out.append(s.data(), s.data() + s.size()); };
-  text(json ? "[" : "x,y,z,f,gx,gy,gz\n");
+  text(json ? "[" : "x,y,z,f,gx,gy,gz,distance\n");
   for (std::size_t i = 0; i < world.size(); ++i) {
     progress.check();
     if (json) text(i == 0 ? "\n  " : ",\n  ");
-    append_row(out, json, world[i], values[i], gradients[i]);
+    append_row(out, json, world[i], values[i], gradients[i], distances[i]);
   }
   if (json) text("\n]\n");
   return {out.data(), out.size()};
@@ -109,7 +122,7 @@ void tell_walks(const Query& q, const CollisionGround& ground, Console& console)
   else
     console.result(
         fmt::format("{} of {} routes completed, {:.0f} moves, {:.0f} m; in the surface by at most {:.6f} m, "
-                    "in the field by {:.3f}\n",
+                    "in the field's rock by {:.3f} m\n",
                     arrived, table.rows.size(), moves, metres, overlap, depth));
   check_walks(table);
 }
@@ -131,7 +144,8 @@ int run(const Query& q, Console& console) {
     if (mesh) fail(ErrorKind::usage, "{}: a mesh has no field; --points needs a scene", q.scene_file);
     const Text table = read_table(q.points);
     const std::vector<Vec3d> points = io::parse_points_csv(table.text, table.name);
-    give(q, field_at(scene::build(*document, console), points, console.json(), console), console);
+    const CollisionGround ground = ground_of_scene(scene::build(*document, console));
+    give(q, field_at(ground, points, console.json(), console), console);
     return 0;
   }
   for (std::size_t i = 0; i < q.questions.size(); ++i) {
@@ -156,12 +170,14 @@ std::function<int(Console&)> setup(Args& args) {
                   "Path of a scene file (.toml), an elevation model, a volume or a mesh");
   args.text(
       "--points", "CSV", q->points,
-      "Points x,y,z in the scene's CRS: the field's value and gradient at each; - reads standard input");
+      "Points x,y,z in the scene's CRS: at each the field f, which is metres only near untouched ground, its "
+      "gradient, and the distance to the surface, metres, positive in rock; - reads standard input");
   q->questions.resize(all_questions().size());
   for (std::size_t i = 0; i < q->questions.size(); ++i)
     args.text(all_questions()[i].flag, "CSV", q->questions[i], all_questions()[i].doc);
-  args.integer("--walk", "N", q->walks, 1, 1000000,
-               "Walks N random routes and tells how deep in rock the walker was, which should be 0");
+  args.integer(
+      "--walk", "N", q->walks, 1, 1000000,
+      "Walks N random routes and tells how many metres deep in rock the walker was, which should be 0");
   args.numbers("--walker", "RADIUS,HEIGHT,STEP,SLOPE", q->walker, 4,
                "Size of the walker of --walk, the highest step it climbs, in metres, and the steepest ground "
                "it stands "
@@ -191,8 +207,8 @@ std::function<int(Console&)> setup(Args& args) {
 const Command& declaration() {
   static const Command command{
       .about = {.name = "query",
-                .doc = "Ask the field at points (f > 0 is rock, f < 0 air, metres near the "
-                       "surface), or the surface: rays, spheres, sweeps and walks"},
+                .doc = "Ask at points for the field (f > 0 is rock, f < 0 air) and the surface's distance, "
+                       "or the surface: rays, spheres, sweeps and walks"},
       .examples =
           "  tafoni query scene.toml --points points.csv > values.csv\n"
           "  echo 452300.5,5528100.25,120 | tafoni query scene.toml --points -\n"

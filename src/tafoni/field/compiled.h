@@ -17,7 +17,7 @@ struct Program;
 
 class CompiledField {
  public:
-  /// f at a local position.
+  /// f at a local position: metres only near untouched ground, else no more than a sign.
   float value(Vec3d p) const;
   /// f at many positions, in the order given; bit-identical to value() one by one.
   void values(std::span<const Vec3d> points, std::span<float> out) const;

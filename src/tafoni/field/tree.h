@@ -1,8 +1,8 @@
 #pragma once
 // The editable construction tree [Paris19 §3.1]: small immutable nodes with shared structure.
 //
-// Positions are double metres in the scene's local frame (world minus the scene's origin). Fields are in the
-// f - T frame: solid where f > 0. Nodes are pure data; compile() (compiled.h) makes them answer queries.
+// Positions are double metres in the scene's local frame (world minus its origin). Fields are in the f - T
+// frame: solid where f > 0; metres only near untouched ground. Nodes are pure data; see compiled.h.
 
 #include <cstdint>
 #include <memory>

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tafoni/core/progress.h"
+#include "tafoni/field/compiled.h"
 #include "tafoni/query/routes.h"
 
 namespace tafoni::query {
@@ -40,5 +41,10 @@ std::vector<Walk> random_walks(const Collider& ground, const Box3d& box, const W
 
 /// Points all over the capsule's surface, drawn in by `inset` metres.
 std::vector<Vec3d> surface_points(const Capsule& shape, double inset);
+
+/// Metres from a place in the field's rock to the nearest air, 0 in the air. Asks the field's signs, since
+/// its values are no distances, along lines in 26 directions: what is less wide than far off may be
+/// overlooked, and none is found beyond 100 m, which is then the answer.
+double depth_in(const field::CompiledField& field, Vec3d p);
 
 }  // namespace tafoni::query
