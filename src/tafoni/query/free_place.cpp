@@ -42,7 +42,7 @@ double cube_distance(Vec3d middle, double half, Vec3d p) {
 }
 
 /// Whether the shape overlaps rock wherever it is moved by no more than `play` metres.
-bool held(const Collider& ground, const Capsule& shape, double play) {
+bool stays_in_rock(const Collider& ground, const Capsule& shape, double play) {
   for (const double share : {0.5, 0.0, 1.0}) {
     const Vec3d p = shape.a + (shape.b - shape.a) * share;
     const auto near = ground.closest(p, play + shape.radius);
@@ -84,7 +84,7 @@ std::optional<Vec3d> Walker::free_place(const Collider& ground, double distance)
     cubes.pop();
     if (cube.near > limit) break;
     if (cube.half <= largest_looked_at) {
-      if (held(ground, capsule_at(cube.middle), cube.half * std::sqrt(3.0)) ||
+      if (stays_in_rock(ground, capsule_at(cube.middle), cube.half * std::sqrt(3.0)) ||
           bottomless(ground, capsule_at(cube.middle).a, cube.half))
         continue;
       const double way = length(cube.middle - feet_);
