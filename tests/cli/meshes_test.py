@@ -69,11 +69,11 @@ class Meshes(Case):
 
     def test_tiles_left_out_are_named(self):
         self.hill()
-        self.passes("build", "hill.asc", "--voxel", "1", "--tiles", "2", "-o", "t.ply")
-        quiet = self.run_for_warnings("build", "hill.asc", "--voxel", "1", "--tiles", "2", "-o", "t.ply")
-        self.assertEqual(quiet, "")
-        said = self.run_for_warnings("build", "hill.asc", "--voxel", "1", "--tiles", "5", "-o", "t.ply")
-        self.assertIn("of 5 x 5 tiles hold no surface and are not written: ", said)
-
-    def run_for_warnings(self, *args):
-        return run(*args, cwd=self.dir).stderr
+        for tiles, written in ((2, 4), (5, None)):
+            said = run("build", "hill.asc", "--voxel", "1", "--tiles", tiles, "-o", f"t{tiles}.ply", cwd=self.dir).stderr
+            found = len(list(self.dir.glob(f"t{tiles}_*.ply")))
+            if written:
+                self.assertEqual(found, written)
+                self.assertNotIn("not written", said)
+            else:
+                self.assertIn(f"{tiles * tiles - found} of 5 x 5 tiles hold no surface and are not written: ", said)
