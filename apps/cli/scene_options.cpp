@@ -77,6 +77,18 @@ void OutputOptions::declare(Args& args) {
   args.number("--texture", "M", texture, 1e-3, 1e6, "m",
               "Gives OBJ and GLB files texture coordinates, projected from the sides of a box, of pictures "
               "that cover M metres; default: none");
+  args.choice(
+      "--up", up, {"y", "z"},
+      "Axis that points up in OBJ, PLY and STL files; default: y in OBJ, as most programs expect there, z "
+      "in the others; GLB has y up always");
+  args.flag(
+      "--world-coordinates", world_coordinates,
+      "Writes positions in PLY and OBJ files as doubles in the CRS, for GIS; default: floats about a local "
+      "origin, which stands in the file");
+  args.flag(
+      "--float-colors", float_colors,
+      "Writes colours in GLB files as floats, in three times the space, for programs that misread bytes, "
+      "such as Godot 3; default: bytes");
   args.flag("--half", half, "Writes volumes in half precision, in half the space; default: single precision");
   args.flag("--dry-run", dry_run, "Predicts triangles, memory and bytes, and writes nothing");
 }

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "tafoni/core/atomic_file.h"
+#include "tafoni/field/chunks.h"
 #include "tafoni/io/format.h"
 #include "tafoni/io/image_file.h"
 #include "tafoni/io/mesh_file.h"
@@ -47,11 +48,23 @@ void check_outputs(const scene::Document& document, const std::string& scene_fil
   const Files files(outputs);
   if (files.volumes.empty() && (outputs.band || outputs.half))
     fail(ErrorKind::usage, "--band and --half are for volumes; give -o FILE.tvol or FILE.vdb");
-  if (outputs.texture && std::none_of(files.meshes.begin(), files.meshes.end(), [](const std::string& file) {
-        return io::format_of(file, {io::Ability::write_mesh}).texture;
-      }))
+  const auto none = [&](const auto& can) {
+    return std::none_of(files.meshes.begin(), files.meshes.end(), [&](const std::string& file) {
+      return can(io::format_of(file, {io::Ability::write_mesh}));
+    });
+  };
+  if (outputs.texture && none([](const io::FormatType& f) { return f.texture; }))
     fail(ErrorKind::usage,
          "--texture is for meshes that hold texture coordinates; give -o FILE.glb or FILE.obj");
+  if (outputs.world_coordinates && none([](const io::FormatType& f) { return f.world; }))
+    fail(ErrorKind::usage,
+         "--world-coordinates is for meshes that hold doubles; give -o FILE.ply or FILE.obj");
+  if (outputs.float_colors && none([](const io::FormatType& f) { return f.float_colors; }))
+    fail(ErrorKind::usage, "--float-colors is for GLB; give -o FILE.glb");
+  if (!outputs.up.empty() &&
+      none([&](const io::FormatType& f) { return f.ups.find(outputs.up) != std::string::npos; }))
+    fail(ErrorKind::usage, "--up {}: no mesh to write can have it; give -o FILE.obj, FILE.ply or FILE.stl",
+         outputs.up);
   if (!outputs.preview.empty()) io::format_of(outputs.preview, io::Ability::write_image);
   const bool tiled = outputs.tiles.value_or(1) > 1;
   if (tiled && !files.volumes.empty())
@@ -86,6 +99,16 @@ io::MeshMetadata metadata(const scene::BuiltScene& scene, const std::string& pat
   data.generator["seed"] = scene.document.scene.seed;
   data.generator["voxel"] = scene.voxel;
   return data;
+}
+
+/// The form that is asked for, as far as the file's format can have it.
+io::MeshForm form_of(const OutputOptions& outputs, const std::string& file) {
+  const io::FormatType& format = io::format_of(file, io::Ability::write_mesh);
+  io::MeshForm form;
+  if (!outputs.up.empty() && format.ups.find(outputs.up) != std::string::npos) form.up = outputs.up[0];
+  form.world = outputs.world_coordinates && format.world;
+  form.float_colors = outputs.float_colors && format.float_colors;
+  return form;
 }
 
 /// Tiles in the making; they take their places together at the end.
@@ -191,20 +214,52 @@ void print_prediction(const scene::BuiltScene& scene, const OutputOptions& outpu
   console.result(out);
 }
 
+[[noreturn]] void fail_without_surface(const scene::BuiltScene& scene, const scene::MeshResult& result) {
+  if (result.stats.fragments_removed > 0)
+    fail(ErrorKind::input,
+         "nothing is left: every piece of the scene is smaller than {:g} m3 and was removed; give a smaller "
+         "scene.min_fragment",
+         scene.document.scene.min_fragment);
+  fail(ErrorKind::input, "the scene has no surface; check the terrain's window, domain and voxel size");
+}
+
+/// Which tiles of all are no files, a few of them by name.
+void tell_missing(int tiles, const std::vector<surface::TileIndex>& written, Console& console) {
+  constexpr std::size_t named = 8;
+  std::vector<bool> there(static_cast<std::size_t>(tiles) * tiles, false);
+  for (const surface::TileIndex t : written) there[static_cast<std::size_t>(t.y) * tiles + t.x] = true;
+  std::string names;
+  std::size_t missing = 0;
+  for (std::size_t at = 0; at < there.size(); ++at)
+    if (!there[at] && missing++ < named)
+      names += fmt::format("{}{}_{}", names.empty() ? "" : ", ", at % tiles, at / tiles);
+  if (missing == 0) return;
+  console.warn(
+      fmt::format("{} of {} x {} tiles hold no surface and are not written: {}{}; a tile is made of whole "
+                  "blocks of {} cells each way",
+                  missing, tiles, tiles, names, missing > named ? ", …" : "", field::chunk_cells));
+}
+
 scene::MeshResult write_tiles(const scene::BuiltScene& scene, const std::vector<std::string>& files,
                               const OutputOptions& outputs, std::vector<fs::path>& written,
                               Console& console) {
   std::deque<TileFolder> folders;
   for (const std::string& file : files) folders.emplace_back(file);
+  const int tiles = static_cast<int>(*outputs.tiles);
+  std::vector<surface::TileIndex> written_tiles;
   scene::MeshResult result = scene::mesh_scene_tiles(
-      scene, static_cast<int>(*outputs.tiles),
+      scene, tiles,
       [&](surface::TileIndex index, mesh::Mesh&& tile) {
         if (tile.triangles.empty()) return;
         if (outputs.texture) mesh::box_texture(tile, *outputs.texture);
         for (std::size_t i = 0; i < files.size(); ++i)
-          io::write_mesh(folders[i].next(index), tile, metadata(scene, files[i]), console);
+          io::write_mesh(folders[i].next(index), tile, metadata(scene, files[i]), console,
+                         form_of(outputs, files[i]));
+        written_tiles.push_back(index);
       },
       console);
+  if (written_tiles.empty()) fail_without_surface(scene, result);
+  tell_missing(tiles, written_tiles, console);
   for (TileFolder& folder : folders)
     for (auto& path : folder.commit()) written.push_back(std::move(path));
   return result;
@@ -214,16 +269,10 @@ scene::MeshResult write_whole(const scene::BuiltScene& scene, const std::vector<
                               const OutputOptions& outputs, std::vector<fs::path>& written,
                               Console& console) {
   scene::MeshResult result = scene::mesh_scene(scene, console);
-  if (result.mesh.triangles.empty() && result.stats.fragments_removed > 0)
-    fail(ErrorKind::input,
-         "nothing is left: every piece of the scene is smaller than {:g} m3 and was removed; give a smaller "
-         "scene.min_fragment",
-         scene.document.scene.min_fragment);
-  if (result.mesh.triangles.empty())
-    fail(ErrorKind::input, "the scene has no surface; check the terrain's window, domain and voxel size");
+  if (result.mesh.triangles.empty()) fail_without_surface(scene, result);
   if (outputs.texture) mesh::box_texture(result.mesh, *outputs.texture);
   for (const std::string& file : files) {
-    io::write_mesh(file, result.mesh, metadata(scene, file), console);
+    io::write_mesh(file, result.mesh, metadata(scene, file), console, form_of(outputs, file));
     written.emplace_back(file);
   }
   if (!outputs.preview.empty()) {

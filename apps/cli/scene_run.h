@@ -39,6 +39,9 @@ struct OutputOptions {
   std::optional<std::int64_t> tiles;
   std::optional<double> band;
   std::optional<double> texture;  ///< metres that a picture covers
+  std::string up;                 ///< "y", "z" or empty
+  bool world_coordinates = false;
+  bool float_colors = false;
   bool half = false;
   bool dry_run = false;
 

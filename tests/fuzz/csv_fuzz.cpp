@@ -18,7 +18,11 @@ std::vector<std::string> fuzz_seeds() {
           "x,y,z\n1,2,3\n4.5,-6,7e3\n",
           "kind,x,y,z,energy,id,hx,turn\nbox,1,2,3,4,,5,90\ncurve,1,2,3,-4,a,,\ncurve,4,5,6,-4,a,,\n",
           "\xef\xbb\xbf"
-          "energy,radius,z,y,x,kind\r\n1,2,3,4,5,point\r\n"};
+          "energy,radius,z,y,x,kind\r\n1,2,3,4,5,point\r\n",
+          "sep=;\r\nname;x;y;z\r\n\"a; \"\"b\"\"\";447125,40;5909878,60;80\r\n\"two\nlines\";1,5;-6;7e3\r\n",
+          "x\ty\tz\n447125,40\t5909878,60\t80\n",
+          "x y z\n1  2 3 \n\"4\" 5 6\n",
+          "1|2|3|a\r4|5|6|b\r"};
 }
 
 namespace {

@@ -54,7 +54,24 @@ const std::vector<std::string> tokens = {"[",
                                          "voxel",
                                          "kind",
                                          "point",
-                                         "sphere"};
+                                         "sphere",
+                                         ";",
+                                         "\t",
+                                         "/",
+                                         ":",
+                                         "4294967295",
+                                         "65535",
+                                         "\nv ",
+                                         "\nf ",
+                                         "element ",
+                                         "property ",
+                                         "list ",
+                                         "vertex",
+                                         "comment world origin ",
+                                         "# world origin ",
+                                         "world_origin",
+                                         "children",
+                                         "mesh"};
 
 std::string mutated(std::string text, tafoni::Random& random, const std::vector<std::string>& seeds) {
   const auto at = [&] { return random.below(text.size() + 1); };

@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -18,87 +16,13 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/params.h"
+#include "tafoni/io/impl/table.h"
 
 namespace tafoni::io {
 namespace {
 
-std::string_view trim(std::string_view s) {
-  const auto first = s.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  s.remove_prefix(first);
-  s.remove_suffix(s.size() - 1 - s.find_last_not_of(" \t\r"));
-  if (s.size() >= 2 && s.front() == '"' && s.back() == '"') s = s.substr(1, s.size() - 2);
-  return s;
-}
-
-/// What of a field goes into a message: short and printable.
-std::string printable(std::string_view field) {
-  std::string out;
-  for (char c : field.substr(0, 40)) out += c >= ' ' && c < 127 ? c : '?';
-  return field.size() > 40 ? out + "…" : out;
-}
-
-/// Walks the lines that hold something.
-class Lines {
- public:
-  Lines(std::string_view text, std::string_view name) : rest_(text), name_(name) {
-    if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
-  }
-
-  bool next() {
-    while (!rest_.empty()) {
-      const auto end = rest_.find('\n');
-      const std::string_view line = trim(rest_.substr(0, end));
-      rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
-      ++number_;
-      if (line.empty() || line.front() == '#') continue;
-      split(line);
-      return true;
-    }
-    return false;
-  }
-  std::uint32_t number() const { return number_; }
-  std::string_view name() const { return name_; }
-  const std::vector<std::string_view>& fields() const { return fields_; }
-
-  template <class... Args>
-  [[noreturn]] void bad(fmt::format_string<Args...> text, Args&&... args) const {
-    fail(ErrorKind::input, "{}:{}: {}", name_, number_, fmt::format(text, std::forward<Args>(args)...));
-  }
-
-  double number_at(std::size_t column, std::string_view title) const {
-    const auto field = fields_[column];
-    const auto value = to_number(field);
-    if (!value) bad("{} is \"{}\", which is not a number", title, printable(field));
-    if (!std::isfinite(*value)) bad("{} is \"{}\", which is not finite", title, printable(field));
-    return *value;
-  }
-  static std::optional<double> to_number(std::string_view field) {
-    if (field.starts_with('+')) field.remove_prefix(1);
-    double value = 0;
-    const auto [end, code] = std::from_chars(field.data(), field.data() + field.size(), value);
-    if (end != field.data() + field.size()) return {};
-    // The number is too large or too small; strtod tells which.
-    if (code == std::errc::result_out_of_range) return std::strtod(std::string(field).c_str(), nullptr);
-    if (code != std::errc()) return {};
-    return value;
-  }
-
- private:
-  void split(std::string_view line) {
-    fields_.clear();
-    for (;;) {
-      const auto comma = line.find(',');
-      fields_.push_back(trim(line.substr(0, comma)));
-      if (comma == std::string_view::npos) return;
-      line.remove_prefix(comma + 1);
-    }
-  }
-
-  std::string_view rest_, name_;
-  std::uint32_t number_ = 0;
-  std::vector<std::string_view> fields_;
-};
+using impl::shortened;
+using impl::Table;
 
 std::string lower(std::string_view s) {
   std::string out(s);
@@ -110,8 +34,8 @@ std::string lower(std::string_view s) {
 /// The header of a primitives file, and each row as it says.
 class PrimitiveRows {
  public:
-  PrimitiveRows(std::string_view text, std::string_view name) : lines_(text, name) {
-    if (!lines_.next())
+  PrimitiveRows(std::string_view text, std::string_view name) : table_(text, name) {
+    if (!table_.next())
       fail(ErrorKind::input, "{}: is empty; expected a header with the columns kind, x, y, z and energy",
            name);
     for (const field::PrimitiveType* type : field::all_primitives()) kinds_.push_back(type->about.name);
@@ -121,9 +45,8 @@ class PrimitiveRows {
   std::vector<Primitive> read() {
     std::vector<Primitive> out;
     std::string chain;  // the id of the last primitive, where rows may add to it
-    while (lines_.next()) {
-      if (lines_.fields().size() != titles_.size())
-        lines_.bad("has {} fields where the header has {}", lines_.fields().size(), titles_.size());
+    while (table_.next()) {
+      table_.require_fields(titles_.size(), "the header");
       Primitive row = read_row();
       const std::string_view id = at(id_);
       if (!chain.empty() && row.kind == out.back().kind && id == chain) {
@@ -133,7 +56,7 @@ class PrimitiveRows {
       finish_chain(out, chain);
       chain = row.kind->variable ? id : std::string_view{};
       if (row.kind->variable && id.empty())
-        lines_.bad("a {} needs an id: the rows of one id are its vertices", row.kind->about.name);
+        table_.bad("a {} needs an id: the rows of one id are its vertices", row.kind->about.name);
       out.push_back(std::move(row));
     }
     finish_chain(out, chain);
@@ -145,24 +68,25 @@ class PrimitiveRows {
   static constexpr double energy_limit = 1e6;
 
   void read_header() {
+    table_.trim_titles();
     std::vector<std::string> known(common.begin(), common.end());
     for (const field::PrimitiveType* type : field::all_primitives())
       for (const ParamInfo& info : type->about.params)
         if (std::find(known.begin(), known.end(), info.name) == known.end()) known.push_back(info.name);
-    for (std::string_view field : lines_.fields()) {
+    for (std::string_view field : table_.fields()) {
       const std::string title = lower(field);
       if (std::find(known.begin(), known.end(), title) == known.end()) {
         const std::string near = nearest(title.substr(0, 40), known);
-        lines_.bad("column \"{}\" is not known; {}", printable(title),
+        table_.bad("column \"{}\" is not known; {}", shortened(title),
                    near.empty() ? fmt::format("known are {}", fmt::join(known, ", "))
                                 : fmt::format("did you mean {}?", near));
       }
-      if (column(title) != absent) lines_.bad("column {} is given twice", title);
+      if (column(title) != absent) table_.bad("column {} is given twice", title);
       titles_.push_back(title);
     }
     for (std::string_view needed : std::span(common).first(5))
       if (column(needed) == absent)
-        lines_.bad("column {} is missing; needed are kind, x, y, z and energy", needed);
+        table_.bad("column {} is missing; needed are kind, x, y, z and energy", needed);
     kind_ = column("kind"), id_ = column("id"), energy_ = column("energy");
     for (std::size_t axis = 0; axis < 3; ++axis) position_[axis] = column(common[1 + axis]);
   }
@@ -172,26 +96,26 @@ class PrimitiveRows {
     return found == titles_.end() ? absent : found - titles_.begin();
   }
   std::string_view at(std::size_t column) const {
-    return column == absent ? std::string_view{} : lines_.fields()[column];
+    return column == absent ? std::string_view{} : table_.fields()[column];
   }
 
   Primitive read_row() {
     Primitive p;
-    p.line = lines_.number();
+    p.line = table_.line();
     const std::string word = lower(at(kind_));
     const auto found = std::find(kinds_.begin(), kinds_.end(), word);
     if (found == kinds_.end()) {
       const std::string near = nearest(word.substr(0, 40), kinds_);
-      lines_.bad("kind is \"{}\"; {}", printable(word),
+      table_.bad("kind is \"{}\"; {}", shortened(word),
                  near.empty() ? fmt::format("known are {}", fmt::join(kinds_, ", "))
                               : fmt::format("did you mean {}?", near));
     }
     p.kind = field::all_primitives()[found - kinds_.begin()];
-    p.position = {lines_.number_at(position_[0], "x"), lines_.number_at(position_[1], "y"),
-                  lines_.number_at(position_[2], "z")};
-    const double energy = lines_.number_at(energy_, "energy");
+    p.position = {table_.number_at(position_[0], "x"), table_.number_at(position_[1], "y"),
+                  table_.number_at(position_[2], "z")};
+    const double energy = table_.number_at(energy_, "energy");
     if (std::fabs(energy) > energy_limit)
-      lines_.bad("energy = {} is outside {} to {} m", energy, -energy_limit, energy_limit);
+      table_.bad("energy = {} is outside {} to {} m", energy, -energy_limit, energy_limit);
     p.energy = static_cast<float>(energy);
     read_shape(p);
     return p;
@@ -204,22 +128,22 @@ class PrimitiveRows {
     for (const ParamInfo& info : own) {
       double value = std::get<double>(info.init);
       if (const std::size_t c = column(info.name); !at(c).empty()) {
-        value = lines_.number_at(c, info.name);
+        value = table_.number_at(c, info.name);
         if (value < info.min || value > info.max)
-          lines_.bad("{} = {} is outside {}", info.name, value, allowed(info));
+          table_.bad("{} = {} is outside {}", info.name, value, allowed(info));
       }
       p.shape.push_back(static_cast<float>(value));
     }
     for (std::size_t c = 0; c < titles_.size(); ++c) {
       if (at(c).empty() || std::find(common.begin(), common.end(), titles_[c]) != common.end()) continue;
       if (std::none_of(own.begin(), own.end(), [&](const ParamInfo& i) { return i.name == titles_[c]; }))
-        lines_.bad("a {} has no {}; leave the field empty", p.kind->about.name, titles_[c]);
+        table_.bad("a {} has no {}; leave the field empty", p.kind->about.name, titles_[c]);
     }
   }
 
   void extend(Primitive& chain, const Primitive& row) {
     if (row.energy != chain.energy || (row.shape != chain.shape && !at(column("radius")).empty()))
-      lines_.bad("energy and radius differ from those in line {}, where this {} begins", chain.line,
+      table_.bad("energy and radius differ from those in line {}, where this {} begins", chain.line,
                  chain.kind->about.name);
     chain.further.push_back(row.position);
   }
@@ -227,17 +151,47 @@ class PrimitiveRows {
   void finish_chain(const std::vector<Primitive>& out, const std::string& chain) const {
     if (!chain.empty() && out.back().further.empty())
       fail(ErrorKind::input, "{}:{}: {} \"{}\" is one row; give two or more of this id, one a vertex",
-           lines_.name(), out.back().line, out.back().kind->about.name, printable(chain));
+           table_.name(), out.back().line, out.back().kind->about.name, shortened(chain));
   }
 
   /// What every kind has; the first five are needed.
   static constexpr std::array<std::string_view, 6> common = {"kind", "x", "y", "z", "energy", "id"};
 
-  Lines lines_;
+  Table table_;
   std::vector<std::string> kinds_, titles_;
   std::size_t kind_ = absent, id_ = absent, energy_ = absent;
   std::array<std::size_t, 3> position_{};
 };
+
+/// Without a header the first columns count, and what follows them must be text: with more numbers there is
+/// no telling which is which.
+std::vector<std::size_t> first_columns(const Table& table, std::size_t count, const std::string& wanted) {
+  const auto& fields = table.fields();
+  if (fields.size() < count) table.bad("has {} fields; expected {}", fields.size(), wanted);
+  std::vector<std::size_t> places;
+  for (std::size_t c = 0; c < count; ++c) places.push_back(c);
+  for (std::size_t c = count; c < fields.size(); ++c)
+    if (table.to_number(fields[c]))
+      table.bad("has {} fields where {} are expected; name the columns in the first line{}", fields.size(),
+                wanted, table.decimal_comma_hint());
+  return places;
+}
+
+std::vector<std::size_t> named_columns(const Table& table, std::span<const std::string_view> columns,
+                                       const std::string& wanted) {
+  std::vector<std::string> titles;
+  for (const std::string_view field : table.fields()) titles.push_back(lower(field));
+  std::vector<std::size_t> places;
+  for (const std::string_view column : columns) {
+    const auto found = std::find(titles.begin(), titles.end(), column);
+    if (found == titles.end())
+      table.bad("column {} is missing; expected a header with the columns {}", column, wanted);
+    if (std::find(found + 1, titles.end(), column) != titles.end())
+      table.bad("column {} is given twice", column);
+    places.push_back(found - titles.begin());
+  }
+  return places;
+}
 
 }  // namespace
 
@@ -248,27 +202,20 @@ std::vector<Primitive> parse_primitives_csv(std::string_view text, std::string_v
 std::vector<std::vector<double>> parse_numbers_csv(std::string_view text, std::string_view name,
                                                    std::span<const std::string_view> columns,
                                                    std::vector<std::uint32_t>* numbers) {
-  Lines lines(text, name);
+  Table table(text, name);
   const std::string wanted = fmt::format("{}", fmt::join(columns, ","));
-  if (!lines.next()) fail(ErrorKind::input, "{}: is empty; expected the columns {}", name, wanted);
-  std::vector<std::size_t> places;
-  const std::size_t width = lines.fields().size();
-  const bool headless = Lines::to_number(lines.fields().front()).has_value();
-  if (headless && width < columns.size()) lines.bad("has {} fields; expected {}", width, wanted);
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    std::size_t i = headless ? c : 0;
-    while (!headless && i < width && lower(lines.fields()[i]) != columns[c]) ++i;
-    if (i == width)
-      lines.bad("column {} is missing; expected a header with the columns {}", columns[c], wanted);
-    places.push_back(i);
-  }
+  if (!table.next()) fail(ErrorKind::input, "{}: is empty; expected the columns {}", name, wanted);
+  table.trim_titles();
+  const std::size_t width = table.fields().size();
+  const bool headless = table.to_number(table.fields().front()).has_value();
+  const std::vector<std::size_t> places =
+      headless ? first_columns(table, columns.size(), wanted) : named_columns(table, columns, wanted);
   std::vector<std::vector<double>> out;
-  for (bool more = headless || lines.next(); more; more = lines.next()) {
-    if (lines.fields().size() != width)
-      lines.bad("has {} fields where the first line has {}", lines.fields().size(), width);
-    if (numbers) numbers->push_back(lines.number());
+  for (bool more = headless || table.next(); more; more = table.next()) {
+    table.require_fields(width, "the first line");
+    if (numbers) numbers->push_back(table.line());
     std::vector<double>& row = out.emplace_back();
-    for (std::size_t c = 0; c < columns.size(); ++c) row.push_back(lines.number_at(places[c], columns[c]));
+    for (std::size_t c = 0; c < columns.size(); ++c) row.push_back(table.number_at(places[c], columns[c]));
   }
   return out;
 }

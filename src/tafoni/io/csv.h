@@ -1,5 +1,7 @@
 #pragma once
-// Tables of points as comma-separated text: explicit primitives, seed points, query points.
+// Tables of points as text: explicit primitives, seed points, query points. Fields are separated by commas,
+// semicolons, tabs, bars or blanks, as the first line has them; with other separators than commas decimal
+// commas are read, too. Fields may stand in quotes.
 
 #include <cstdint>
 #include <filesystem>
@@ -29,8 +31,8 @@ struct Primitive {
 /// Throws Error{input} "NAME:LINE: …".
 std::vector<Primitive> parse_primitives_csv(std::string_view text, std::string_view name);
 
-/// Columns named by a header, others ignored; or no header and the first columns. One row of numbers a line,
-/// in the order of `columns`. `lines` gets the number of each row's line.
+/// Columns named by a header, others ignored; or no header and the first columns, after which only text may
+/// follow. One row of numbers a line, in the order of `columns`. `lines` gets the number of each row's line.
 std::vector<std::vector<double>> parse_numbers_csv(std::string_view text, std::string_view name,
                                                    std::span<const std::string_view> columns,
                                                    std::vector<std::uint32_t>* lines = nullptr);

@@ -23,8 +23,15 @@ struct Mesh;
 
 namespace tafoni::io {
 
+struct MeshForm;
 struct MeshMetadata;
 struct Volume;
+
+/// What a mesh's file says and how it says it; the form has an axis that is up.
+struct MeshOutput {
+  const MeshMetadata& metadata;
+  const MeshForm& form;
+};
 
 /// One file format. A function that the format lacks is null.
 struct FormatType {
@@ -33,7 +40,7 @@ struct FormatType {
 
   /// Writes the whole file; the caller commits it. The mesh has triangles. Throws Error{output}, also for a
   /// mesh that the format cannot hold.
-  void (*write_mesh)(AtomicFile&, const mesh::Mesh&, const MeshMetadata&, Progress&) = nullptr;
+  void (*write_mesh)(AtomicFile&, const mesh::Mesh&, const MeshOutput&, Progress&) = nullptr;
   /// Reads a whole file that lies in memory. `file` is for error texts. Throws Error{input}.
   mesh::Mesh (*read_mesh)(std::span<const std::byte> bytes, std::string_view file) = nullptr;
   void (*write_image)(AtomicFile&, const raster::Image&) = nullptr;
@@ -41,7 +48,10 @@ struct FormatType {
   void (*write_volume)(AtomicFile&, const Volume&, Progress&) = nullptr;
   /// Like read_mesh. Every sample is finite.
   Volume (*read_volume)(std::span<const std::byte> bytes, std::string_view file, Progress&) = nullptr;
-  bool texture = false;  ///< whether meshes keep their texture coordinates
+  bool texture = false;       ///< whether meshes keep their texture coordinates
+  bool world = false;         ///< whether it holds positions in double
+  bool float_colors = false;  ///< whether it holds colours as floats
+  std::string ups = "z";      ///< the axes that can point up in a mesh, the usual one first
 };
 
 /// Every format, sorted by name; the table is written by CMake from the folder's files: formats/NAME.cpp

@@ -1,7 +1,9 @@
 #pragma once
 // Meshes out and in, in the format that the file's extension names (formats/).
 
+#include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include "tafoni/core/params.h"
@@ -17,12 +19,25 @@ struct MeshMetadata {
   Values generator = {};  ///< how it was made: scene parameters, seed, versions
 };
 
-/// Writes beside `path` and renames, so that no partial file is ever seen. Throws Error{output}.
+/// How a mesh is laid down in its file. FormatType says what each format can.
+struct MeshForm {
+  /// The axis that points up, 'y' or 'z'; 0 for what is usual in the format. With y up, x is east and z
+  /// south.
+  char up = 0;
+  bool world = false;         ///< positions are doubles in the CRS, in place of floats about an origin
+  bool float_colors = false;  ///< linear colours as floats; some programs misread bytes
+};
+
+/// Writes beside `path` and renames, so that no partial file is ever seen. Throws Error{output}; Error{usage}
+/// for a form that the format lacks.
 void write_mesh(const std::filesystem::path& path, const mesh::Mesh& mesh, const MeshMetadata& metadata = {},
-                Progress& progress = silent());
+                Progress& progress = silent(), const MeshForm& form = {});
 
 /// Throws Error{input}: missing, truncated, or not what its extension says. The result's indices are in range
-/// and its positions finite; formats without shared vertices (STL) are welded by exact position.
+/// and its positions finite; formats without shared vertices (STL) are welded by exact position. Files of
+/// this program say which axis points up; of others GLB has y up, and the rest is taken to have z up.
 mesh::Mesh read_mesh(const std::filesystem::path& path);
+/// The same for a whole file that lies in memory. `name` has the extension, and is for error texts.
+mesh::Mesh read_mesh(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace tafoni::io

@@ -32,8 +32,18 @@ std::vector<Triangle> join_results(const std::vector<Patch>& patches) {
   return out;
 }
 
-void collapse_all(std::span<const Vec3f> positions, const impl::Ownership& ownership,
-                  std::vector<Patch>& patches, double error, Progress& progress) {
+/// The vertices of open edges.
+std::vector<bool> border_of(const Mesh& mesh) {
+  std::vector<bool> border(mesh.positions.size(), false);
+  inner::for_each_edge(mesh.triangles, mesh.positions.size(),
+                       [&](std::uint32_t a, std::uint32_t b, std::uint32_t forward, std::uint32_t backward) {
+                         if (forward + backward == 1) border[a] = border[b] = true;
+                       });
+  return border;
+}
+
+void collapse_all(const impl::Surface& surface, const impl::Ownership& ownership, std::vector<Patch>& patches,
+                  double error, Progress& progress) {
   std::vector<std::size_t> unfinished;
   for (std::size_t p = 0; p < patches.size(); ++p)
     if (!patches[p].done) unfinished.push_back(p);
@@ -41,7 +51,7 @@ void collapse_all(std::span<const Vec3f> positions, const impl::Ownership& owner
       std::ssize(unfinished),
       [&](std::int64_t at) {
         Patch& patch = patches[unfinished[at]];
-        impl::collapse(positions, ownership, patch, std::ldexp(error, -patch.halvings));
+        impl::collapse(surface, ownership, patch, std::ldexp(error, -patch.halvings));
       },
       progress);
 }
@@ -89,13 +99,14 @@ bool mend(std::span<const Vec3f> positions, impl::Ownership& ownership, std::vec
   return again;
 }
 
-std::vector<Triangle> simplify_round(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
+std::vector<Triangle> simplify_round(const impl::Surface& surface, std::span<const Triangle> triangles,
                                      double error, double shift, Progress& progress, SimplifyStats& stats) {
+  const std::span<const Vec3f> positions = surface.positions;
   std::vector<Patch> patches = impl::cut(positions, triangles, patch_triangles, shift);
   impl::Ownership ownership(positions.size());
   for (Patch& patch : patches) ownership.take(patch);
   progress.begin("simplify", patches.size(), "patches");
-  do collapse_all(positions, ownership, patches, error, progress);
+  do collapse_all(surface, ownership, patches, error, progress);
   while (mend(positions, ownership, patches));
   progress.end();
   stats.patches += patches.size();
@@ -132,10 +143,12 @@ Mesh simplify(const Mesh& mesh, const SimplifySettings& settings, Progress& prog
   SimplifyStats sums;
   sums.triangles_before = mesh.triangles.size();
   std::vector<Triangle> triangles = mesh.triangles;
+  const std::vector<bool> seam = settings.seams ? border_of(mesh) : std::vector<bool>{};
   // The second round works on the first's seams; each may use half of the error.
   if (settings.error > 0)
     for (double shift : {0.0, 0.5})
-      triangles = simplify_round(mesh.positions, triangles, settings.error / 2, shift, progress, sums);
+      triangles =
+          simplify_round({mesh.positions, seam}, triangles, settings.error / 2, shift, progress, sums);
   Mesh out = drop_unused_vertices(mesh, std::move(triangles));
   if (settings.normals) {
     out.normals.resize(out.positions.size());

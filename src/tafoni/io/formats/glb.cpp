@@ -3,11 +3,14 @@
 // sentence.
 
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/glb_json.h"
+#include "tafoni/io/impl/placing.h"
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/seams.h"
 #include "tafoni/io/impl/writing.h"
@@ -24,11 +27,6 @@ using impl::Matrix;
 constexpr std::uint32_t glb_magic = 0x46546c67, json_chunk = 0x4e4f534a, binary_chunk = 0x004e4942;
 constexpr int gl_ubyte = 5121, gl_ushort = 5123, gl_uint = 5125, gl_float = 5126, gl_array = 34962,
               gl_elements = 34963;
-
-/// East, north, up to glTF's x right, y up, z towards the viewer: a rotation, so triangles keep their turn.
-constexpr Vec3f y_up(Vec3f p) {
-  return {p.x, p.z, 0.0f - p.y};
-}
 
 /// Pictures begin at their upper edge in glTF.
 constexpr Vec2<float> v_down(Vec2<float> p) {
@@ -61,7 +59,7 @@ class Layout {
 
 Json position_accessor(const mesh::Mesh& mesh, std::uint64_t vertices) {
   Box3f box;
-  for (const Vec3f p : mesh.positions) box.expand(y_up(p));
+  for (const Vec3f p : mesh.positions) box.expand(impl::y_up(p));
   return {{"componentType", gl_float},
           {"type", "VEC3"},
           {"count", vertices},
@@ -77,15 +75,22 @@ Json extras_of(const mesh::Mesh& mesh, const MeshMetadata& metadata) {
   return extras;
 }
 
-Json document_of(const mesh::Mesh& mesh, std::uint64_t vertices, const MeshMetadata& metadata) {
-  Json json = {{"asset", {{"version", "2.0"}, {"generator", "tafoni"}}}};
+Json document_of(const mesh::Mesh& mesh, std::uint64_t vertices, const MeshOutput& output) {
+  const MeshMetadata& metadata = output.metadata;
+  const MeshForm& form = output.form;
+  // Some programs keep the asset's extras alone, others the nodes' alone.
+  const Json extras = extras_of(mesh, metadata);
+  Json json = {{"asset", {{"version", "2.0"}, {"generator", "tafoni"}, {"extras", extras}}}};
   Layout layout(json);
   Json attributes;
   attributes["POSITION"] = layout.add(vertices * 12, gl_array, position_accessor(mesh, vertices));
   if (!mesh.normals.empty())
     attributes["NORMAL"] = layout.add(vertices * 12, gl_array,
                                       {{"componentType", gl_float}, {"type", "VEC3"}, {"count", vertices}});
-  if (!mesh.colors.empty())
+  if (!mesh.colors.empty() && form.float_colors)
+    attributes["COLOR_0"] = layout.add(vertices * 12, gl_array,
+                                       {{"componentType", gl_float}, {"type", "VEC3"}, {"count", vertices}});
+  else if (!mesh.colors.empty())
     attributes["COLOR_0"] = layout.add(
         vertices * 4, gl_array,
         {{"componentType", gl_ubyte}, {"normalized", true}, {"type", "VEC4"}, {"count", vertices}});
@@ -97,7 +102,7 @@ Json document_of(const mesh::Mesh& mesh, std::uint64_t vertices, const MeshMetad
                  {{"componentType", gl_uint}, {"type", "SCALAR"}, {"count", mesh.triangles.size() * 3}});
   json["buffers"] = Json::array({{{"byteLength", layout.size()}}});
   json["materials"] = Json::array(
-      {{{"name", "rock"},
+      {{{"name", metadata.name + "_rock"},  // Godot shares materials of one name between scenes
         {"doubleSided", true},
         {"pbrMetallicRoughness",
          {{"baseColorFactor", mesh.colors.empty() ? Json{0.28, 0.25, 0.21, 1.0} : Json{1.0, 1.0, 1.0, 1.0}},
@@ -107,20 +112,24 @@ Json document_of(const mesh::Mesh& mesh, std::uint64_t vertices, const MeshMetad
       {{{"name", metadata.name},
         {"primitives",
          Json::array({{{"attributes", attributes}, {"indices", indices}, {"material", 0}, {"mode", 4}}})}}});
-  json["nodes"] =
-      Json::array({{{"name", metadata.name}, {"mesh", 0}, {"extras", extras_of(mesh, metadata)}}});
+  json["nodes"] = Json::array({{{"name", metadata.name}, {"mesh", 0}, {"extras", extras}}});
   json["scenes"] = Json::array({{{"name", metadata.name}, {"nodes", {0}}}});
   json["scene"] = 0;
   return json;
 }
 
-void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata& metadata, Progress& progress) {
+void put_color(std::string& block, const std::array<std::uint8_t, 4>& color, bool as_floats) {
+  if (!as_floats) return impl::put(block, color);
+  for (std::size_t k = 0; k < 3; ++k) impl::put(block, static_cast<float>(color[k]) / 255);
+}
+
+void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshOutput& output, Progress& progress) {
   // A vertex has one pair of texture coordinates here, so that those on seams stand there several times.
   const impl::Seams seams(mesh);
   const bool textured = !mesh.texture.empty();
   const std::uint64_t vertices = textured ? seams.pairs.size() : mesh.positions.size();
   const auto vertex = [&](std::size_t i) { return textured ? seams.vertex[i] : i; };
-  const Json json = document_of(mesh, vertices, metadata);
+  const Json json = document_of(mesh, vertices, output);
   std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const std::uint64_t binary = json["buffers"][0]["byteLength"];
@@ -140,15 +149,16 @@ void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata& metadata
   impl::put(header, binary_chunk);
   out.write(header);
   impl::write_items(out, vertices, progress, [&](std::string& block, std::size_t i) {
-    impl::put(block, y_up(mesh.positions[vertex(i)]));
+    impl::put(block, impl::y_up(mesh.positions[vertex(i)]));
   });
   if (!mesh.normals.empty())
     impl::write_items(out, vertices, silent(), [&](std::string& block, std::size_t i) {
-      impl::put(block, y_up(mesh.normals[vertex(i)]));
+      impl::put(block, impl::y_up(mesh.normals[vertex(i)]));
     });
   if (!mesh.colors.empty())
-    impl::write_items(out, vertices, silent(),
-                      [&](std::string& block, std::size_t i) { impl::put(block, mesh.colors[vertex(i)]); });
+    impl::write_items(out, vertices, silent(), [&](std::string& block, std::size_t i) {
+      put_color(block, mesh.colors[vertex(i)], output.form.float_colors);
+    });
   impl::write_items(out, seams.pairs.size(), silent(),
                     [&](std::string& block, std::size_t i) { impl::put(block, v_down(seams.pairs[i])); });
   impl::write_items(out, mesh.triangles.size(), progress, [&](std::string& block, std::size_t i) {
@@ -156,73 +166,155 @@ void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata& metadata
   });
 }
 
+/// The world origin that extras state.
+std::optional<Vec3d> origin_of(const Json& object) {
+  const auto extras = object.find("extras");
+  if (extras == object.end() || !extras->is_object() || !extras->contains("world_origin")) return {};
+  const Json& o = (*extras)["world_origin"];
+  if (!o.is_array() || o.size() != 3 || !o[0].is_number() || !o[1].is_number() || !o[2].is_number())
+    return {};
+  return Vec3d{o[0].get<double>(), o[1].get<double>(), o[2].get<double>()};
+}
+
 /// Gathers the triangles of every node of the default scene, in world axes.
 class Reader {
  public:
   Reader(const GltfDocument& document, std::size_t file_bytes)
-      : document_(document), budget_(std::min<std::uint64_t>(16 * file_bytes, 0xffffffff)) {}
+      : document_(document), most_items_(std::min<std::uint64_t>(4 * file_bytes + least_items, 0xffffffff)) {}
 
   mesh::Mesh run() {
-    struct Visit {
-      std::uint64_t node;
-      Matrix parent;
-    };
-    // A tree visits no node twice; more visits than nodes mean a cycle.
-    std::uint64_t visits = 0;
-    std::vector<Visit> open;
-    for (const std::uint64_t root : document_.roots())
-      open.push_back({root, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}});
-    while (!open.empty()) {
-      const Visit visit = open.back();
-      open.pop_back();
-      if (++visits > document_.size("nodes")) document_.fail_read("its nodes form a cycle");
-      const Json& node = document_.at("nodes", visit.node);
-      const Matrix matrix = impl::multiply(visit.parent, document_.transform(node));
-      for (const std::uint64_t child : document_.indices(node, "children")) open.push_back({child, matrix});
-      if (node.contains("mesh")) add_mesh(document_.at("meshes", document_.whole(node, "mesh", 0)), matrix);
-      read_origin(node);
-    }
+    refuse_compression();
+    const std::vector<Instance> instances = find_instances();
+    count(instances);
+    for (const Instance& instance : instances) add_mesh(document_.at("meshes", instance.mesh), instance);
     if (mesh_.triangles.empty()) document_.fail_read("it holds no triangles");
     if (!all_normals_) mesh_.normals.clear();
     if (!all_colors_) mesh_.colors.clear();
+    impl::place(mesh_, positions_, origin_);
     if (all_textured_) impl::join_seams(mesh_, pairs_);
     return std::move(mesh_);
   }
 
  private:
-  void read_origin(const Json& node) {
-    const auto extras = node.find("extras");
-    if (extras == node.end() || !extras->is_object() || !extras->contains("world_origin")) return;
-    const Json& o = (*extras)["world_origin"];
-    if (o.is_array() && o.size() == 3 && o[0].is_number() && o[1].is_number() && o[2].is_number())
-      mesh_.origin = {o[0].get<double>(), o[1].get<double>(), o[2].get<double>()};
+  /// A mesh as a node places it.
+  struct Instance {
+    std::uint64_t mesh = 0;
+    Matrix matrix{};
+    std::optional<Vec3d> origin;
+  };
+
+  void refuse_compression() const {
+    const auto needed = document_.json().find("extensionsRequired");
+    if (needed == document_.json().end() || !needed->is_array()) return;
+    for (const char* name :
+         {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"})
+      for (const Json& entry : *needed)
+        if (entry == name) document_.fail_read(fmt::format("it is compressed by {}", name));
   }
 
-  void add_mesh(const Json& mesh, const Matrix& matrix) {
+  /// The nodes of the default scene that have a mesh. Nodes form trees, so that each is placed once.
+  std::vector<Instance> find_instances() {
+    struct Visit {
+      std::uint64_t node;
+      Matrix parent;
+      std::optional<Vec3d> origin;
+    };
+    std::vector<Visit> open;
+    std::vector<bool> seen(document_.size("nodes"), false);
+    const auto visit = [&](std::uint64_t node, const Matrix& parent, const std::optional<Vec3d>& origin) {
+      document_.at("nodes", node);
+      if (seen[node])
+        document_.fail_read(
+            fmt::format("node {} stands below itself or in two places, where nodes form trees", node));
+      seen[node] = true;
+      open.push_back({node, parent, origin});
+    };
+    // gltfpack keeps the asset's extras alone, other programs the nodes' alone.
+    const auto asset = document_.json().find("asset");
+    if (asset != document_.json().end() && asset->is_object()) origin_ = origin_of(*asset);
+    for (const std::uint64_t root : document_.roots())
+      visit(root, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, origin_);
+    std::vector<Instance> instances;
+    while (!open.empty()) {
+      const Visit at = open.back();
+      open.pop_back();
+      const Json& node = document_.at("nodes", at.node);
+      const Matrix matrix = impl::multiply(at.parent, document_.transform(node));
+      const std::optional<Vec3d> own = origin_of(node), origin = own ? own : at.origin;
+      if (!origin_) origin_ = origin;
+      for (const std::uint64_t child : document_.indices(node, "children")) visit(child, matrix, origin);
+      if (node.contains("mesh")) instances.push_back({document_.whole(node, "mesh", 0), matrix, origin});
+    }
+    return instances;
+  }
+
+  /// Instances multiply a small file: all of it is counted before any of it is made.
+  void count(const std::vector<Instance>& instances) const {
+    std::vector<std::optional<std::uint64_t>> items(document_.size("meshes"));
+    std::uint64_t total = 0;
+    for (const Instance& instance : instances) {
+      const Json& mesh = document_.at("meshes", instance.mesh);
+      std::optional<std::uint64_t>& own = items[instance.mesh];
+      if (!own) own = items_of(mesh);
+      total += *own;
+      if (total > most_items_)
+        document_.fail_read(
+            fmt::format("{} nodes repeat its meshes to more than {} vertices and corners, the most that are "
+                        "read from a file of its size",
+                        instances.size(), most_items_));
+    }
+  }
+
+  std::uint64_t items_of(const Json& mesh) const {
+    std::uint64_t items = 0;
+    for_each_primitive(mesh, [&](const Json& primitive) {
+      const std::uint64_t vertices = positions_of(primitive).count;
+      items += primitive_items + vertices;
+      items += primitive.contains("indices")
+                   ? document_.accessor(document_.whole(primitive, "indices", 0)).count
+                   : vertices;
+    });
+    return items;
+  }
+
+  /// body(primitive) for those of triangles.
+  template <class Body>
+  void for_each_primitive(const Json& mesh, Body&& body) const {
     const auto primitives = mesh.find("primitives");
     if (primitives == mesh.end() || !primitives->is_array()) return;
     for (const Json& primitive : *primitives) {
       if (!primitive.is_object()) document_.fail_read("a primitive is not an object");
       const std::uint64_t mode = document_.whole(primitive, "mode", 4);
       if (mode == 5 || mode == 6) document_.fail_read("it has triangle strips or fans");
-      if (mode == 4) add_primitive(primitive, matrix);
+      if (mode == 4) body(primitive);
     }
   }
 
-  void add_primitive(const Json& primitive, const Matrix& m) {
+  GltfAccessor positions_of(const Json& primitive) const {
     const auto found = primitive.find("attributes");
     if (found == primitive.end() || !found->is_object()) document_.fail_read("a primitive has no attributes");
-    const Json& attributes = *found;
-    if (!attributes.contains("POSITION")) document_.fail_read("a primitive has no POSITION");
-    const GltfAccessor positions = document_.accessor(document_.whole(attributes, "POSITION", 0));
+    if (!found->contains("POSITION")) document_.fail_read("a primitive has no POSITION");
+    const GltfAccessor positions = document_.accessor(document_.whole(*found, "POSITION", 0));
     if (positions.components != 3) document_.fail_read("POSITION is not VEC3");
-    const std::uint64_t base = mesh_.positions.size(), count = positions.count;
-    spend(count);
+    return positions;
+  }
+
+  void add_mesh(const Json& mesh, const Instance& instance) {
+    // Nodes of different origins come together in one file; the first origin is the mesh's.
+    const Vec3d shift = instance.origin ? *instance.origin - *origin_ : Vec3d{};
+    for_each_primitive(mesh,
+                       [&](const Json& primitive) { add_primitive(primitive, instance.matrix, shift); });
+  }
+
+  void add_primitive(const Json& primitive, const Matrix& m, Vec3d shift) {
+    const GltfAccessor positions = positions_of(primitive);
+    const Json& attributes = primitive["attributes"];
+    const std::uint64_t base = positions_.size(), count = positions.count;
     for (std::uint64_t i = 0; i < count; ++i) {
       const double x = positions.value(i, 0), y = positions.value(i, 1), z = positions.value(i, 2);
-      const double wx = m[0] * x + m[4] * y + m[8] * z + m[12], wy = m[1] * x + m[5] * y + m[9] * z + m[13],
-                   wz = m[2] * x + m[6] * y + m[10] * z + m[14];
-      mesh_.positions.push_back(to_float({wx, -wz, wy}));
+      const Vec3d turned{m[0] * x + m[4] * y + m[8] * z + m[12], m[1] * x + m[5] * y + m[9] * z + m[13],
+                         m[2] * x + m[6] * y + m[10] * z + m[14]};
+      positions_.push_back(impl::z_up(turned) + shift);
     }
     add_normals(attributes, count, m);
     add_colors(attributes, count);
@@ -246,7 +338,7 @@ class Reader {
     for (std::uint64_t i = 0; i < count; ++i) {
       const Vec3d n{normals.value(i, 0), normals.value(i, 1), normals.value(i, 2)};
       const Vec3d w = plain ? n : normalized(bc * n.x + ca * n.y + ab * n.z);
-      mesh_.normals[base + i] = to_float({w.x, -w.z, w.y});
+      mesh_.normals[base + i] = to_float(impl::z_up(w));
     }
   }
 
@@ -289,21 +381,21 @@ class Reader {
     if (indices.components != 1 ||
         (indices.component != gl_ubyte && indices.component != gl_ushort && indices.component != gl_uint))
       document_.fail_read("indices are not whole numbers");
-    spend(indices.count);
     for (std::uint64_t i = 0; i + 2 < indices.count; i += 3)
       mesh_.triangles.push_back(
           {corner(indices.index(i)), corner(indices.index(i + 1)), corner(indices.index(i + 2))});
   }
 
-  /// Instances multiply a small file; this bound keeps a hostile one from filling the memory.
-  void spend(std::uint64_t items) {
-    if (items > budget_) document_.fail_read("its nodes repeat the same data too often");
-    budget_ -= items;
-  }
+  /// What even the smallest file may hold: about 100 MB of mesh.
+  static constexpr std::uint64_t least_items = 1u << 21;
+  /// What the work for a primitive costs besides that for its vertices.
+  static constexpr std::uint64_t primitive_items = 16;
 
   const GltfDocument& document_;
-  std::uint64_t budget_;
+  std::uint64_t most_items_;
+  std::optional<Vec3d> origin_;
   mesh::Mesh mesh_;
+  std::vector<Vec3d> positions_;
   std::vector<Vec2<float>> pairs_;  ///< texture coordinates of vertices
   bool all_normals_ = true, all_colors_ = true, all_textured_ = true;
 };
@@ -338,12 +430,14 @@ const FormatType& declaration() {
   static const FormatType type{
       .about = {.name = "glb",
                 .doc = "glTF 2.0 binary with normals, texture coordinates and vertex colours, y "
-                       "up; the world origin and CRS stand in the node's extras",
+                       "up; the world origin and CRS stand in the extras of asset and node",
                 .source = "[glTF]"},
       .extensions = {"glb"},
       .write_mesh = write,
       .read_mesh = read,
       .texture = true,
+      .float_colors = true,
+      .ups = "y",
   };
   return type;
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tafoni/io/format.h"
+#include "tafoni/io/impl/placing.h"
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/seams.h"
 #include "tafoni/io/impl/writing.h"
@@ -16,8 +17,9 @@ namespace {
 
 constexpr std::string_view origin_key = "# world origin ";
 
-/// Shortest text that reads back to the same float.
-void put_number(std::string& block, float value) {
+/// Shortest text that reads back to the same number.
+template <class T>
+void put_number(std::string& block, T value) {
   char text[32];
   const auto [end, error] = std::to_chars(text, text + sizeof text, value);
   block += ' ';
@@ -29,17 +31,28 @@ void put_index(std::string& block, std::uint64_t value) {
   block.append(text, std::to_chars(text, text + sizeof text, value).ptr);
 }
 
-void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata& metadata, Progress& progress) {
-  out.write(fmt::format("# tafoni: metres, z up\n{}{}\n", origin_key, impl::origin_text(mesh.origin)));
+template <class T>
+void put_numbers(std::string& block, Vec3<T> p) {
+  for (const T x : {p.x, p.y, p.z}) put_number(block, x);
+}
+
+void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshOutput& output, Progress& progress) {
+  const MeshMetadata& metadata = output.metadata;
+  const MeshForm& form = output.form;
+  out.write("# " + impl::axes_text(form) + '\n');
+  if (!form.world) out.write(fmt::format("{}{}\n", origin_key, impl::origin_text(mesh.origin)));
   if (!metadata.crs.empty()) out.write("# crs " + impl::one_line(metadata.crs) + '\n');
   for (const auto& [name, value] : metadata.generator)
     out.write("# " + impl::one_line(name) + " = " + impl::one_line(to_toml(value)) + '\n');
   out.write("o " + impl::one_line(metadata.name) + '\n');
   const bool colored = !mesh.colors.empty(), smooth = !mesh.normals.empty();
+  const auto turned = [&](auto p) { return form.up == 'y' ? impl::y_up(p) : p; };
   impl::write_items(out, mesh.positions.size(), progress, [&](std::string& block, std::size_t i) {
     block += 'v';
-    for (const float x : {mesh.positions[i].x, mesh.positions[i].y, mesh.positions[i].z})
-      put_number(block, x);
+    if (form.world)
+      put_numbers(block, turned(to_double(mesh.positions[i]) + mesh.origin));
+    else
+      put_numbers(block, turned(mesh.positions[i]));
     if (colored)
       for (std::size_t k = 0; k < 3; ++k) put_number(block, impl::srgb_from_linear(mesh.colors[i][k]));
     block += '\n';
@@ -48,7 +61,7 @@ void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata& metadata
   if (smooth)
     impl::write_items(out, mesh.normals.size(), uncounted, [&](std::string& block, std::size_t i) {
       block += "vn";
-      for (const float x : {mesh.normals[i].x, mesh.normals[i].y, mesh.normals[i].z}) put_number(block, x);
+      put_numbers(block, turned(mesh.normals[i]));
       block += '\n';
     });
   const impl::Seams texture(mesh);
@@ -78,9 +91,10 @@ void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata& metadata
 /// Reads v, vt, vn and f; whatever else a file says (groups, materials) is passed over.
 class Reader {
  public:
-  Reader(std::string_view text, std::string_view file) : cursor_(text, file) {
-    mesh_.origin = impl::find_origin(text.substr(0, 4096), origin_key);
-  }
+  Reader(std::string_view text, std::string_view file)
+      : cursor_(text, file),
+        origin_(impl::find_origin(text.substr(0, 4096), origin_key)),
+        y_up_(impl::says_y_up(text.substr(0, 4096))) {}
 
   mesh::Mesh run() {
     while (!cursor_.at_end()) {
@@ -88,7 +102,7 @@ class Reader {
       if (word == "v")
         vertex();
       else if (word == "vn")
-        normals_.push_back(to_float(triple()));
+        normals_.push_back(to_float(turned_triple()));
       else if (word == "vt")
         pair();
       else if (word == "f")
@@ -98,14 +112,15 @@ class Reader {
     if (mesh_.triangles.empty()) cursor_.fail_here("there is no face");
     if (conflict_ || !used_normals_) mesh_.normals.clear();
     if (untextured_) mesh_.texture.clear();
+    impl::place(mesh_, positions_, origin_);
     return std::move(mesh_);
   }
 
  private:
-  Vec3d triple() {
+  Vec3d turned_triple() {
     Vec3d p;
     for (double* x : {&p.x, &p.y, &p.z}) *x = cursor_.number(cursor_.token());
-    return p;
+    return y_up_ ? impl::z_up(p) : p;
   }
 
   void pair() {
@@ -117,7 +132,7 @@ class Reader {
   }
 
   void vertex() {
-    mesh_.positions.push_back(to_float(triple()));
+    positions_.push_back(turned_triple());
     double rgb[3] = {};
     int given = 0;
     for (std::string_view word = cursor_.token(); given < 3 && !word.empty(); word = cursor_.token())
@@ -141,7 +156,7 @@ class Reader {
     corners_.clear();
     for (std::string_view word = cursor_.token(); !word.empty(); word = cursor_.token()) {
       const std::size_t slash = word.find('/');
-      const std::uint32_t v = index(word.substr(0, slash), mesh_.positions.size());
+      const std::uint32_t v = index(word.substr(0, slash), positions_.size());
       polygon_.push_back(v);
       if (slash == word.npos) continue;
       const std::size_t second = word.find('/', slash + 1);
@@ -159,7 +174,7 @@ class Reader {
   /// A vertex with two normals lies on a hard edge; a smooth normal a vertex cannot say that.
   void use_normal(std::uint32_t v, Vec3f n) {
     used_normals_ = true;
-    if (mesh_.normals.size() < mesh_.positions.size()) mesh_.normals.resize(mesh_.positions.size());
+    if (mesh_.normals.size() < positions_.size()) mesh_.normals.resize(positions_.size());
     Vec3f& held = mesh_.normals[v];
     if (held == Vec3f{})
       held = n;
@@ -168,7 +183,10 @@ class Reader {
   }
 
   impl::TextCursor cursor_;
+  std::optional<Vec3d> origin_;
+  bool y_up_ = false;
   mesh::Mesh mesh_;
+  std::vector<Vec3d> positions_;
   std::vector<Vec3f> normals_;
   std::vector<std::uint32_t> polygon_;
   std::vector<Vec2<float>> pairs_, corners_;
@@ -185,12 +203,14 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
 const FormatType& declaration() {
   static const FormatType type{
       .about = {.name = "obj",
-                .doc = "Wavefront text with normals, texture coordinates and vertex colours (sRGB), z up",
+                .doc = "Wavefront text with normals, texture coordinates and vertex colours (sRGB), y up",
                 .source = "[OBJ]"},
       .extensions = {"obj"},
       .write_mesh = write,
       .read_mesh = read,
       .texture = true,
+      .world = true,
+      .ups = "yz",
   };
   return type;
 }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tafoni/io/format.h"
+#include "tafoni/io/impl/placing.h"
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/mesh_file.h"
 
@@ -17,6 +18,7 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
     word = cursor.token_anywhere();
   else if (word.empty() || word.find_first_not_of("0123456789") != word.npos)
     cursor.fail_here("the header OFF is missing");
+  if (word == "BINARY") cursor.fail_here("binary OFF is not read; write it as text");
   const std::int64_t vertices = cursor.integer(word);
   const std::int64_t faces = cursor.integer(cursor.token_anywhere());
   cursor.rest_of_line();
@@ -27,13 +29,14 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
     cursor.fail_here("more vertices or faces are announced than the file can hold");
 
   mesh::Mesh mesh;
-  mesh.positions.reserve(vertices);
+  std::vector<Vec3d> positions;
+  positions.reserve(vertices);
   for (std::int64_t i = 0; i < vertices; ++i) {
     Vec3d p;
     p.x = cursor.number(cursor.token_anywhere());
     p.y = cursor.number(cursor.token());
     p.z = cursor.number(cursor.token());
-    mesh.positions.push_back(to_float(p));
+    positions.push_back(p);
     cursor.rest_of_line();
   }
   std::vector<std::uint32_t> polygon;
@@ -48,6 +51,7 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
     impl::add_fan(mesh.triangles, polygon);
     cursor.rest_of_line();
   }
+  impl::place(mesh, positions, {});
   return mesh;
 }
 

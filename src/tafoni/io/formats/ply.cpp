@@ -5,6 +5,8 @@
 #include <string>
 
 #include "tafoni/io/format.h"
+#include "tafoni/io/impl/gdal.h"
+#include "tafoni/io/impl/placing.h"
 #include "tafoni/io/impl/ply_header.h"
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/writing.h"
@@ -21,15 +23,21 @@ using impl::PlyType;
 
 constexpr std::string_view origin_key = "comment world origin ";
 
-std::string header_of(const mesh::Mesh& mesh, const MeshMetadata& metadata) {
-  std::string header = "ply\nformat binary_little_endian 1.0\ncomment tafoni: metres, z up\n";
-  header += std::string(origin_key) + impl::origin_text(mesh.origin) + '\n';
-  header += "comment name " + impl::one_line(metadata.name) + '\n';
-  if (!metadata.crs.empty()) header += "comment crs " + impl::one_line(metadata.crs) + '\n';
-  for (const auto& [name, value] : metadata.generator)
-    header += "comment " + impl::one_line(name) + " = " + impl::one_line(to_toml(value)) + '\n';
+/// QGIS knows the CRS by "crs:", with the colon. Strict readers take ASCII alone, and the WKT of most CRSs
+/// has degree signs in the names of their areas of use.
+std::string header_of(const mesh::Mesh& mesh, const MeshOutput& output) {
+  const MeshMetadata& metadata = output.metadata;
+  const MeshForm& form = output.form;
+  std::string header = "ply\nformat binary_little_endian 1.0\n";
+  const auto comment = [&](const std::string& text) { header += "comment " + impl::ascii_line(text) + '\n'; };
+  comment(impl::axes_text(form));
+  if (!form.world) header += std::string(origin_key) + impl::origin_text(mesh.origin) + '\n';
+  comment("name " + metadata.name);
+  if (!metadata.crs.empty()) comment("crs: " + impl::short_crs(metadata.crs));
+  for (const auto& [name, value] : metadata.generator) comment(name + " = " + to_toml(value));
   header += fmt::format("element vertex {}\n", mesh.positions.size());
-  for (const char* axis : {"x", "y", "z"}) header += fmt::format("property float {}\n", axis);
+  for (const char* axis : {"x", "y", "z"})
+    header += fmt::format("property {} {}\n", form.world ? "double" : "float", axis);
   if (!mesh.normals.empty())
     for (const char* axis : {"nx", "ny", "nz"}) header += fmt::format("property float {}\n", axis);
   if (!mesh.colors.empty())
@@ -40,14 +48,18 @@ std::string header_of(const mesh::Mesh& mesh, const MeshMetadata& metadata) {
   return header;
 }
 
-void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata& metadata, Progress& progress) {
-  out.write(header_of(mesh, metadata));
+void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshOutput& output, Progress& progress) {
+  out.write(header_of(mesh, output));
+  const auto turned = [&](auto p) { return output.form.up == 'y' ? impl::y_up(p) : p; };
   std::uint8_t srgb[256];
   for (int i = 0; i < 256; ++i)
     srgb[i] = static_cast<std::uint8_t>(impl::srgb_from_linear(static_cast<std::uint8_t>(i)) * 255 + 0.5f);
   impl::write_items(out, mesh.positions.size(), progress, [&](std::string& block, std::size_t i) {
-    impl::put(block, mesh.positions[i]);
-    if (!mesh.normals.empty()) impl::put(block, mesh.normals[i]);
+    if (output.form.world)
+      impl::put(block, turned(to_double(mesh.positions[i]) + mesh.origin));
+    else
+      impl::put(block, turned(mesh.positions[i]));
+    if (!mesh.normals.empty()) impl::put(block, turned(mesh.normals[i]));
     if (!mesh.colors.empty())
       for (std::size_t k = 0; k < 3; ++k) impl::put(block, srgb[mesh.colors[i][k]]);
   });
@@ -118,7 +130,15 @@ void skip(Values& values, const PlyProperty& property) {
   for (std::uint64_t i = 0; i < n; ++i) values.next(property.type);
 }
 
-void read_vertices(Values& values, const PlyElement& element, mesh::Mesh& mesh) {
+/// What is read before the mesh gets its origin.
+struct Given {
+  mesh::Mesh mesh;
+  std::vector<Vec3d> positions;
+};
+
+void read_vertices(Values& values, const PlyElement& element, bool y_up, Given& given) {
+  mesh::Mesh& mesh = given.mesh;
+  const auto turned = [&](Vec3d p) { return y_up ? impl::z_up(p) : p; };
   static constexpr std::string_view names[] = {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"};
   std::vector<int> slot(element.properties.size(), -1);
   bool has[9] = {};
@@ -131,7 +151,7 @@ void read_vertices(Values& values, const PlyElement& element, mesh::Mesh& mesh) 
   const bool smooth = has[3] && has[4] && has[5], colored = has[6] && has[7] && has[8];
   const int red = element.find("red");
   const bool whole = colored && element.properties[red].type == PlyType::u8;
-  mesh.positions.reserve(element.count);
+  given.positions.reserve(element.count);
   if (smooth) mesh.normals.reserve(element.count);
   if (colored) mesh.colors.reserve(element.count);
   for (std::uint64_t i = 0; i < element.count; ++i) {
@@ -142,8 +162,8 @@ void read_vertices(Values& values, const PlyElement& element, mesh::Mesh& mesh) 
       else
         skip(values, element.properties[p]);
     }
-    mesh.positions.push_back(to_float({v[0], v[1], v[2]}));
-    if (smooth) mesh.normals.push_back(to_float({v[3], v[4], v[5]}));
+    given.positions.push_back(turned({v[0], v[1], v[2]}));
+    if (smooth) mesh.normals.push_back(to_float(turned({v[3], v[4], v[5]})));
     const double scale = whole ? 1.0 / 255 : 1.0;
     if (colored)
       mesh.colors.push_back({impl::linear_from_srgb(v[6] * scale), impl::linear_from_srgb(v[7] * scale),
@@ -178,20 +198,21 @@ void read_faces(Values& values, const PlyElement& element, mesh::Mesh& mesh) {
 
 mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
   const PlyHeader header = impl::read_ply_header(bytes, file);
-  mesh::Mesh mesh;
-  mesh.origin = impl::find_origin(impl::as_text(bytes).substr(0, header.bytes), origin_key);
+  const std::string_view text = impl::as_text(bytes).substr(0, header.bytes);
+  Given given;
   Values values(bytes, header, file);
   for (const PlyElement& element : header.elements) {
     if (element.name == "vertex") {
-      read_vertices(values, element, mesh);
+      read_vertices(values, element, impl::says_y_up(text), given);
     } else if (element.name == "face") {
-      read_faces(values, element, mesh);
+      read_faces(values, element, given.mesh);
     } else {
       for (std::uint64_t i = 0; i < element.count; ++i)
         for (const PlyProperty& property : element.properties) skip(values, property);
     }
   }
-  return mesh;
+  impl::place(given.mesh, given.positions, impl::find_origin(text, origin_key));
+  return std::move(given.mesh);
 }
 
 }  // namespace
@@ -206,6 +227,8 @@ const FormatType& declaration() {
       .extensions = {"ply"},
       .write_mesh = write,
       .read_mesh = read,
+      .world = true,
+      .ups = "zy",
   };
   return type;
 }

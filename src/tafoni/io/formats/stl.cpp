@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tafoni/io/format.h"
+#include "tafoni/io/impl/placing.h"
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/writing.h"
 #include "tafoni/io/mesh_file.h"
@@ -16,18 +17,23 @@ namespace {
 constexpr std::size_t header_bytes = 84, triangle_bytes = 50;
 constexpr std::string_view origin_key = "origin ";
 
-void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata&, Progress& progress) {
+void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshOutput& output, Progress& progress) {
   if (mesh.triangles.size() > 0xffffffffull)
     fail(ErrorKind::output, "STL holds at most 2^32 triangles and the mesh has {}; write PLY or simplify it.",
          mesh.triangles.size());
   // The header must not begin with "solid", or readers would take the file for text.
-  std::string header = "tafoni: metres, z up, " + std::string(origin_key) + impl::origin_text(mesh.origin);
+  std::string header =
+      impl::axes_text(output.form) + ", " + std::string(origin_key) + impl::origin_text(mesh.origin);
   header.resize(80, ' ');
   impl::put(header, static_cast<std::uint32_t>(mesh.triangles.size()));
   out.write(header);
   impl::write_items(out, mesh.triangles.size(), progress, [&](std::string& block, std::size_t i) {
     const auto& t = mesh.triangles[i];
-    const Vec3f a = mesh.positions[t[0]], b = mesh.positions[t[1]], c = mesh.positions[t[2]];
+    const auto corner = [&](std::size_t k) {
+      const Vec3f p = mesh.positions[t[k]];
+      return output.form.up == 'y' ? impl::y_up(p) : p;
+    };
+    const Vec3f a = corner(0), b = corner(1), c = corner(2);
     impl::put(block, normalized(cross(b - a, c - a)));
     impl::put(block, a);
     impl::put(block, b);
@@ -39,14 +45,15 @@ void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshMetadata&, Progres
 mesh::Mesh read_text(std::string_view text, std::string_view file) {
   mesh::Mesh mesh;
   impl::TextCursor cursor(text, file);
-  impl::Welder welder(mesh.positions, text.size() / 256);
+  std::vector<Vec3d> positions;
   std::vector<std::uint32_t> corners;
   cursor.rest_of_line();
   for (std::string_view word; !(word = cursor.token_anywhere('\0')).empty();) {
     if (word == "vertex") {
       Vec3d p;
       for (double* x : {&p.x, &p.y, &p.z}) *x = cursor.number(cursor.token('\0'));
-      corners.push_back(welder.add(to_float(p)));
+      corners.push_back(static_cast<std::uint32_t>(positions.size()));
+      positions.push_back(p);
     } else if (word == "endloop") {
       if (corners.size() != 3) cursor.fail_here("a facet does not have three vertices");
       impl::add_fan(mesh.triangles, corners);
@@ -56,6 +63,13 @@ mesh::Mesh read_text(std::string_view text, std::string_view file) {
     }
   }
   if (mesh.triangles.empty() || !corners.empty()) cursor.fail_here("the text ends within a facet");
+  // Vertices are the same when they round to the same floats, which takes the origin off them first.
+  impl::place(mesh, positions, {});
+  std::vector<Vec3f> welded;
+  impl::Welder welder(welded, mesh.triangles.size());
+  for (auto& triangle : mesh.triangles)
+    for (std::uint32_t& v : triangle) v = welder.add(mesh.positions[v]);
+  mesh.positions = std::move(welded);
   return mesh;
 }
 
@@ -70,13 +84,16 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
     fail(ErrorKind::input, "{}: an STL file of {} triangles is longer than these {} bytes; it is truncated.",
          file, count, bytes.size());
   mesh::Mesh mesh;
-  mesh.origin = impl::find_origin(impl::as_text(bytes).substr(0, 80), origin_key);
+  const std::string_view header = impl::as_text(bytes).substr(0, 80);
+  const bool y_up = impl::says_y_up(header);
   mesh.triangles.resize(count);
   impl::Welder welder(mesh.positions, count / 2);
   for (std::size_t i = 0; i < count; ++i)
-    for (std::size_t k = 0; k < 3; ++k)
-      mesh.triangles[i][k] =
-          welder.add(impl::load<Vec3f>(bytes, header_bytes + i * triangle_bytes + 12 + 12 * k));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto p = impl::load<Vec3f>(bytes, header_bytes + i * triangle_bytes + 12 + 12 * k);
+      mesh.triangles[i][k] = welder.add(y_up ? impl::z_up(p) : p);
+    }
+  impl::place(mesh, impl::find_origin(header, origin_key));
   return mesh;
 }
 
@@ -90,6 +107,7 @@ const FormatType& declaration() {
       .extensions = {"stl"},
       .write_mesh = write,
       .read_mesh = read,
+      .ups = "zy",
   };
   return type;
 }

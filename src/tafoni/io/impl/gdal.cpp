@@ -91,7 +91,9 @@ DatasetPtr open_dataset(const std::filesystem::path& path, unsigned flags, const
 OGRSpatialReference crs_from_wkt(const std::string& wkt) {
   GdalMessages messages;
   OGRSpatialReference crs;
-  if (crs.SetFromUserInput(wkt.c_str()) != OGRERR_NONE)
+  // GDAL would follow a file's name or an address, and the text may be a stranger's.
+  const char* const options[] = {"ALLOW_FILE_ACCESS=NO", "ALLOW_NETWORK_ACCESS=NO", nullptr};
+  if (crs.SetFromUserInput(wkt.c_str(), options) != OGRERR_NONE)
     fail(ErrorKind::input, "the coordinate system \"{}\" is not understood; give WKT or EPSG:NUMBER.",
          wkt.substr(0, 60));
   crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
@@ -103,6 +105,22 @@ std::string to_wkt(const OGRSpatialReference& crs) {
   const char* const options[] = {"FORMAT=WKT2_2019", nullptr};
   const OGRErr error = crs.exportToWkt(&text, options);
   std::string out = error == OGRERR_NONE && text != nullptr ? text : "";
+  CPLFree(text);
+  return out;
+}
+
+std::string short_crs(const std::string& wkt) {
+  OGRSpatialReference crs;
+  try {
+    crs = crs_from_wkt(wkt);
+  } catch (const Error&) {
+    return wkt;
+  }
+  const char *authority = crs.GetAuthorityName(nullptr), *code = crs.GetAuthorityCode(nullptr);
+  if (authority != nullptr && code != nullptr) return fmt::format("{}:{}", authority, code);
+  char* text = nullptr;
+  const bool exported = crs.exportToWkt(&text) == OGRERR_NONE && text != nullptr && *text != '\0';
+  std::string out = exported ? text : wkt;
   CPLFree(text);
   return out;
 }

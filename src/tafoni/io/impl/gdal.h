@@ -52,6 +52,9 @@ OGRSpatialReference crs_from_wkt(const std::string& wkt);
 
 std::string to_wkt(const OGRSpatialReference& crs);
 
+/// "EPSG:32631" for a CRS of WKT that EPSG knows, else WKT of an older form, which tells no area of use.
+std::string short_crs(const std::string& wkt);
+
 struct DestroyTransformation {
   void operator()(OGRCoordinateTransformation* t) const { OCTDestroyCoordinateTransformation(t); }
 };

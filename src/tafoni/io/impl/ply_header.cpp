@@ -45,11 +45,14 @@ PlyProperty read_property(TextCursor& cursor) {
 
 void check_fits(const PlyHeader& header, std::uint64_t left, const TextCursor& cursor) {
   const bool text = header.encoding == PlyEncoding::text;
+  // The last line of a text may lack its end.
+  left += text ? 1 : 0;
   for (const PlyElement& element : header.elements) {
-    const std::uint64_t least = element.least_bytes(text);
-    // The last line of a text may lack its end.
-    if (element.count > (left + (text ? 1 : 0)) / std::max<std::uint64_t>(least, 1))
-      cursor.fail_here(fmt::format("{} elements '{}' do not fit in the file", element.count, element.name));
+    const std::uint64_t least = std::max<std::uint64_t>(element.least_bytes(text), 1);
+    if (element.count > left / least)
+      cursor.fail_here(
+          fmt::format("{} elements '{}' do not fit in the file", element.count, element.name.substr(0, 40)));
+    left -= element.count * least;
   }
 }
 

@@ -12,7 +12,7 @@ std::string origin_text(Vec3d origin) {
   return fmt::format("{} {} {}", origin.x, origin.y, origin.z);
 }
 
-Vec3d find_origin(std::string_view text, std::string_view key) {
+std::optional<Vec3d> find_origin(std::string_view text, std::string_view key) {
   const std::size_t at = text.find(key);
   if (at == text.npos) return {};
   const char* p = text.data() + at + key.size();
@@ -24,7 +24,7 @@ Vec3d find_origin(std::string_view text, std::string_view key) {
     if (error != std::errc() || !std::isfinite(x)) return {};
     p = next;
   }
-  return {v[0], v[1], v[2]};
+  return Vec3d{v[0], v[1], v[2]};
 }
 
 std::string one_line(std::string_view text) {
@@ -32,6 +32,24 @@ std::string one_line(std::string_view text) {
   std::replace_if(
       line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 32; }, ' ');
   return line;
+}
+
+std::string ascii_line(std::string_view text) {
+  std::string line;
+  for (const char c : one_line(text)) {
+    const bool ascii = static_cast<unsigned char>(c) < 127;
+    // The bytes of a character after its first one say nothing new.
+    if (ascii || (static_cast<unsigned char>(c) & 0xc0) != 0x80) line += ascii ? c : '?';
+  }
+  return line;
+}
+
+std::string axes_text(const MeshForm& form) {
+  return fmt::format("tafoni: metres, {} up", form.up);
+}
+
+bool says_y_up(std::string_view header) {
+  return header.find("tafoni: metres, y up") != header.npos;
 }
 
 float srgb_from_linear(std::uint8_t linear) {

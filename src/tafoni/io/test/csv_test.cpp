@@ -142,6 +142,79 @@ TEST(PointsCsv, SaysWhatIsWrong) {
   EXPECT_EQ(says("x,y,z\n1,2,inf\n"), "q.csv:2: z is \"inf\", which is not finite");
 }
 
+TEST(Tables, AsProgramsWriteThem) {
+  const std::vector<Vec3d> expected = {{447125.4, 5909878.6, 80}, {1.5, -6, 7e3}};
+  for (const std::string_view text : {
+           "x,y,z\n447125.4,5909878.6,80\n1.5,-6,7e3\n",                        // plain
+           "x;y;z\n447125,4;5909878,6;80\n1,5;-6;7e3\n",                        // semicolons, decimal commas
+           "x;y;z\n447125.4;5909878.6;80\n1.5;-6;7e3\n",                        // semicolons, points
+           "x\ty\tz\n447125,4\t5909878,6\t80\n1,5\t-6\t7e3\n",                  // tabs, decimal commas
+           "x\ty\tz\n447125.4\t5909878.6\t80\n1.5\t-6\t7e3\n",                  // tabs
+           "x|y|z\n447125.4|5909878.6|80\n1.5|-6|7e3\n",                        // bars
+           "x y z\n447125.4 5909878.6   80\n  1.5 -6 7e3  \n",                  // blanks
+           "447125.4 5909878.6 80\n1.5 -6 7e3",                                 // blanks, no header
+           "447125,4;5909878,6;80\n1,5;-6;7e3",                                 // no header
+           "\xef\xbb\xbfx;y;z\r\n447125,4;5909878,6;80\r\n\r\n1,5;-6;7e3\r\n",  // as Excel does
+           "sep=;\r\nx;y;z\r\n447125,4;5909878,6;80\r\n1,5;-6;7e3\r\n",         // its first line
+           "x,y,z\r447125.4,5909878.6,80\r1.5,-6,7e3\r",                        // old line ends
+           "\"x\",\"y\",\"z\"\n\"447125.4\",\"5909878.6\",\"80\"\n\"1.5\",\"-6\",\"7e3\"\n",
+           "\"x\",\"y\",\"z\"\n\"447125,4\",\"5909878,6\",\"80\"\n\"1,5\",\"-6\",\"7e3\"\n",
+           "name,x,y,z\n\"a, b\",447125.4,5909878.6,80\n\"c \"\"d\"\" e\",1.5,-6,7e3\n",  // commas in quotes
+           "name,x,y,z\n\"two\nlines\",447125.4,5909878.6,80\n,1.5,-6,7e3\n",  // a line end in quotes
+           "x,y,z,,\n447125.4,5909878.6,80,,\n1.5,-6,7e3,,\n",                 // empty columns
+           "X, Y , Z \n 447125.4 , 5909878.6 , 80 \n 1.5 , -6 , 7e3 \n",       // blanks about fields
+           "x,\ty,\tz\n447125.4,\t5909878.6,\t80\n1.5,\t-6,\t7e3\n",           // tabs for looks
+           "# made by hand\n# twice\nx,y,z\n447125.4,5909878.6,80\n1.5,-6,7e3\n",
+       })
+    EXPECT_EQ(parse_points_csv(text, "q"), expected) << text;
+  std::vector<std::uint32_t> lines;
+  constexpr std::string_view columns[] = {"x"};
+  parse_numbers_csv("name,x,y\n\"two\nlines\",1,2\n\n\"a\",2,3\n", "q", columns, &lines);
+  EXPECT_EQ(lines, (std::vector<std::uint32_t>{2, 5}));
+  EXPECT_EQ(parse_primitives_csv("kind;x;y;z;radius;energy\npoint;1,5;2;3;4;-5,25\n", "p").at(0).energy,
+            -5.25f);
+}
+
+TEST(Tables, SayWhatIsWrong) {
+  const auto says = [](std::string_view text) { return error_of([&] { parse_points_csv(text, "q"); }); };
+  EXPECT_EQ(
+      says("x,y,z\n447125,40,5909878,60,80,0\n"),
+      "q:2: has 6 fields where the first line has 3; if its decimal marks are commas, write points, or put "
+      "semicolons between the fields");
+  EXPECT_EQ(
+      says("447125,40,5909878,60,80,0\n"),
+      "q:1: has 6 fields where x,y,z are expected; name the columns in the first line; if its decimal marks "
+      "are commas, write points, or put semicolons between the fields");
+  EXPECT_EQ(says("7,447125.5,5909878.5,80\n"),
+            "q:1: has 4 fields where x,y,z are expected; name the columns in the first line");
+  EXPECT_EQ(
+      says("x,y,z\n1;2;3\n"),
+      "q:2: has 1 fields where the first line has 3; its fields are separated by semicolons, unlike those "
+      "of the first line");
+  EXPECT_EQ(
+      says("x,y,z\n1,2,3,4\n"),
+      "q:2: has 4 fields where the first line has 3; if its decimal marks are commas, write points, or put "
+      "semicolons between the fields");
+  EXPECT_EQ(says("x;y;z\n1,5;2;3\n1.5;2;3\n"),
+            "q:3: x is \"1.5\", where line 2 has a decimal comma; use one of the two, and nothing between "
+            "thousands");
+  EXPECT_EQ(says("x;y;z\n5.909.878,6;2;3\n"),
+            "q:2: x is \"5.909.878,6\", which is not a number; write it without separators of thousands");
+  EXPECT_EQ(
+      says("x,y,z\n\"1,234\",2,3\n"),
+      "q:2: x is \"1,234\", which is not a number; its comma may be a decimal mark or separate thousands: "
+      "write a point or nothing");
+  EXPECT_EQ(says("x,y,z\n\"1,2,3\n4,5,6\n"), "q:2: a quote begins here and does not end; close it");
+  EXPECT_EQ(
+      says("x,y,z\n\"1\"2,2,3\n"),
+      "q:2: after the quoted \"1\" there is more text before the next field; double the quotes that belong "
+      "to a field");
+  EXPECT_EQ(says("x,y,z,X\n1,2,3,4\n"), "q:1: column x is given twice");
+  EXPECT_EQ(says(std::string_view("\xff\xfex\0,\0", 6)), "q: is UTF-16 text; save it as UTF-8");
+  EXPECT_EQ(says("PK\x03\x04..."), "q: is a spreadsheet or an archive; save the table as CSV");
+  EXPECT_EQ(says(std::string_view("x,y,z\n\0,2,3\n", 12)), "q: is not text; save the table as CSV");
+}
+
 TEST(ReadText, RefusesWhatIsNoFile) {
   EXPECT_THAT(error_of([] { read_text("/tmp"); }), HasSubstr("/tmp"));
   try {

@@ -85,6 +85,13 @@ TEST(Ply, HugeCountsAreRefusedBeforeAnyAllocation) {
                                HasSubstr("an element's count is negative")));
 }
 
+TEST(Ply, ManyElementsThatFitOneByOneAreRefused) {
+  std::string header = "ply\nformat binary_little_endian 1.0\n";
+  for (int i = 0; i < 200; ++i) header += "element nothing 90000\n";
+  header += "end_header\n" + std::string(100000, '\0');
+  EXPECT_THAT(says("ply", header), HasSubstr("90000 elements 'nothing' do not fit in the file"));
+}
+
 TEST(Stl, ReadsTextAndWeldsVertices) {
   const mesh::Mesh mesh =
       read_text("stl",
@@ -113,6 +120,7 @@ TEST(Off, PolygonsCommentsAndColours) {
   EXPECT_THAT(mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{0, 2, 3}));
   EXPECT_THAT(says("off", "OFF 999999999 9 0\n0 0 0\n"),
               HasSubstr("more vertices or faces are announced than the file can hold"));
+  EXPECT_THAT(says("off", "OFF BINARY\n"), HasSubstr("binary OFF is not read"));
   EXPECT_THAT(says("off", "OFF 1 1 0\n0 0 0\n3 0 0 1\n"),
               HasSubstr("a face names a vertex that is not there"));
 }
@@ -193,7 +201,7 @@ TEST(Glb, CyclesAndBombsAreRefused) {
   const std::string cycle = std::string(R"({"scenes":[{"nodes":[0]}],"nodes":[{"children":[1]},
       {"children":[0]}],)") +
                             points_json + "}";
-  EXPECT_THAT(says("glb", glb(cycle, binary)), HasSubstr("its nodes form a cycle"));
+  EXPECT_THAT(says("glb", glb(cycle, binary)), HasSubstr("stands below itself or in two places"));
   std::string many = R"({"nodes":[{"mesh":0})";
   for (int i = 0; i < 100000; ++i) many += R"(,{"mesh":0})";
   EXPECT_NO_THROW(read_text("glb", glb(many + "]," + points_json + "}", binary)));
@@ -203,9 +211,37 @@ TEST(Glb, CyclesAndBombsAreRefused) {
     "meshes":[{"primitives":[{"attributes":{"POSITION":0}})";
   for (int i = 0; i < 10000; ++i) repeated += R"(,{"attributes":{"POSITION":0}})";
   EXPECT_THAT(says("glb", glb(repeated + "]}]}", std::string(120000, '\0'))),
-              HasSubstr("its nodes repeat the same data too often"));
+              HasSubstr("1 nodes repeat its meshes to more than"));
+  // A chain of nodes of which each names the next one twice: 2^40 instances by 40 nodes.
+  std::string chain = R"({"scenes":[{"nodes":[0]}],"nodes":[)";
+  for (int i = 1; i < 40; ++i) chain += fmt::format(R"({{"children":[{},{}]}},)", i, i);
+  EXPECT_THAT(says("glb", glb(chain + R"({"mesh":0}],)" + points_json + "}", binary)),
+              HasSubstr("in two places"));
+  // Nodes that are sound and repeat one large mesh are counted before any of them is made.
+  std::string instances =
+      R"({"buffers":[{"byteLength":120000}],"bufferViews":[{"buffer":0,"byteLength":120000}],
+    "accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":10000}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0})";
+  for (int i = 0; i < 1000; ++i) instances += R"(,{"mesh":0})";
+  EXPECT_THAT(says("glb", glb(instances + "]}", std::string(120000, '\0'))),
+              HasSubstr("1001 nodes repeat its meshes to more than"));
+  // Primitives of a few vertices cost work, too.
+  std::string small = R"({"nodes":[{"mesh":0})";
+  for (int i = 0; i < 2000; ++i) small += R"(,{"mesh":0})";
+  small += "]," + std::string(points_json);
+  small.resize(small.size() - 3);
+  for (int i = 0; i < 2000; ++i) small += R"(,{"attributes":{"POSITION":0}})";
+  EXPECT_THAT(says("glb", glb(small + "]}]}", binary)), HasSubstr("2001 nodes repeat its meshes"));
   const std::string deep(100000, '[');
   EXPECT_THAT(says("glb", glb(deep, binary)), HasSubstr("its JSON cannot be parsed"));
+}
+
+TEST(Glb, CompressionIsNamed) {
+  const std::string json =
+      std::string(R"({"nodes":[{"mesh":0}],"extensionsRequired":["EXT_meshopt_compression"],)") +
+      points_json + "}";
+  EXPECT_THAT(says("glb", glb(json, floats({0, 0, 0, 1, 0, 0, 0, 0, 1}))),
+              HasSubstr("it is compressed by EXT_meshopt_compression"));
 }
 
 TEST(Glb, ExternalBuffersAreNotOpened) {

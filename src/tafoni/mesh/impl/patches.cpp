@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 
 #include <meshoptimizer.h>
 
@@ -78,11 +79,112 @@ std::vector<std::size_t> repeated_triangles(std::span<const Triangle> triangles)
   return out;
 }
 
-/// A small closed piece collapses to two triangles back to back, which enclose nothing: they go.
+/// Whether a triangle runs the other way round than its vertices in order do.
+bool runs_back(const Triangle& t) {
+  return (t[0] < t[1]) + (t[1] < t[2]) + (t[2] < t[0]) == 1;
+}
+
+/// A small closed piece collapses to two triangles back to back, which enclose nothing: they go. Of three, as
+/// a piece that has collapsed onto another triangle makes them, one stays, or there would be a hole.
 void remove_pillows(std::vector<Triangle>& triangles) {
   const Triangle gone{};
-  for (std::size_t t : repeated_triangles(triangles)) triangles[t] = gone;
+  std::vector<std::size_t> repeated = repeated_triangles(triangles);
+  const auto key = [&](std::size_t t) {
+    Triangle sorted = triangles[t];
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  };
+  std::sort(repeated.begin(), repeated.end());
+  repeated.erase(std::unique(repeated.begin(), repeated.end()), repeated.end());
+  std::stable_sort(repeated.begin(), repeated.end(),
+                   [&](std::size_t s, std::size_t t) { return key(s) < key(t); });
+  for (std::size_t begin = 0, end = 0; begin < repeated.size(); begin = end) {
+    std::vector<std::size_t> ways[2];
+    const Triangle vertices = key(repeated[begin]);
+    for (; end < repeated.size() && key(repeated[end]) == vertices; ++end)
+      ways[runs_back(triangles[repeated[end]])].push_back(repeated[end]);
+    for (std::size_t i = 0; i < std::min(ways[0].size(), ways[1].size()); ++i)
+      triangles[ways[0][i]] = triangles[ways[1][i]] = gone;
+  }
   std::erase(triangles, gone);
+}
+
+std::vector<Triangle> collapsed(const LocalMesh& local, std::span<const Triangle> triangles, double error) {
+  const float scale = meshopt_simplifyScale(&local.positions[0].x, local.positions.size(), sizeof(Vec3f));
+  std::vector<Triangle> out(triangles.size());
+  const std::size_t left =
+      scale > 0 && !triangles.empty()
+          ? meshopt_simplify(&out[0][0], &triangles[0][0], 3 * triangles.size(), &local.positions[0].x,
+                             local.positions.size(), sizeof(Vec3f), 0, static_cast<float>(error) / scale,
+                             meshopt_SimplifyLockBorder, nullptr)
+          : 0;
+  out.resize(left / 3);
+  flip_flat_triangles(local.positions, out);
+  remove_pillows(out);
+  return out;
+}
+
+/// The edges and triangles between vertices of seams.
+struct SeamChords {
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  std::vector<Triangle> triangles;
+
+  SeamChords(std::span<const Triangle> all, const std::vector<bool>& seam) {
+    for (Triangle t : all) {
+      std::sort(t.begin(), t.end());
+      for (const auto& [a, b] : {std::array{t[0], t[1]}, std::array{t[0], t[2]}, std::array{t[1], t[2]}})
+        if (seam[a] && seam[b]) edges.push_back({a, b});
+      if (seam[t[0]] && seam[t[1]] && seam[t[2]]) triangles.push_back(t);
+    }
+    std::sort(edges.begin(), edges.end());
+    std::sort(triangles.begin(), triangles.end());
+  }
+};
+
+/// Marks a vertex of each of `found`, the one that most of them have, so that few are marked. False if every
+/// vertex of one was marked before.
+bool keep_some(const std::vector<std::vector<std::uint32_t>>& found, std::vector<bool>& kept) {
+  std::vector<std::uint32_t> uses(kept.size(), 0);
+  for (const auto& vertices : found)
+    for (const std::uint32_t v : vertices) ++uses[v];
+  const std::vector<bool> before = kept;
+  for (const auto& vertices : found) {
+    std::optional<std::uint32_t> most;
+    bool done = false;
+    for (const std::uint32_t v : vertices) {
+      done = done || (kept[v] && !before[v]);
+      if (!before[v] && (!most || uses[v] > uses[*most])) most = v;
+    }
+    if (!most) return false;
+    if (!done) kept[*most] = true;
+  }
+  return true;
+}
+
+/// Collapses again, with the triangles about some vertices as they were given, until no edge and no triangle
+/// between vertices of seams is new. False if that cannot be.
+bool part_seams(const LocalMesh& local, const std::vector<bool>& seam, double error,
+                std::vector<Triangle>& out) {
+  std::vector<bool> on_seam(local.positions.size(), false), kept(local.positions.size(), false);
+  for (std::size_t v = 0; v < on_seam.size(); ++v) on_seam[v] = seam[local.globals[v]];
+  const SeamChords given(local.triangles, on_seam);
+  for (;;) {
+    const SeamChords made(out, on_seam);
+    std::vector<std::vector<std::uint32_t>> found;
+    for (const auto& edge : made.edges)
+      if (!std::binary_search(given.edges.begin(), given.edges.end(), edge))
+        found.push_back({edge[0], edge[1]});
+    for (const Triangle& t : made.triangles)
+      if (!std::binary_search(given.triangles.begin(), given.triangles.end(), t))
+        found.push_back({t[0], t[1], t[2]});
+    if (found.empty()) return true;
+    if (!keep_some(found, kept)) return false;
+    std::vector<Triangle> free, still;
+    for (const Triangle& t : local.triangles)
+      (kept[t[0]] || kept[t[1]] || kept[t[2]] ? still : free).push_back(t);
+    out = collapsed(local, free, error);
+    out.insert(out.end(), still.begin(), still.end());
+  }
 }
 
 }  // namespace
@@ -120,20 +222,11 @@ std::vector<Patch> cut(std::span<const Vec3f> positions, std::span<const Triangl
   return patches;
 }
 
-void collapse(std::span<const Vec3f> positions, const Ownership& ownership, Patch& patch, double error) {
-  LocalMesh local = local_mesh(positions, patch.given);
-  const float scale = meshopt_simplifyScale(&local.positions[0].x, local.positions.size(), sizeof(Vec3f));
-  std::vector<Triangle> out(local.triangles.size());
-  const std::size_t left =
-      scale > 0 ? meshopt_simplify(&out[0][0], &local.triangles[0][0], 3 * local.triangles.size(),
-                                   &local.positions[0].x, local.positions.size(), sizeof(Vec3f), 0,
-                                   static_cast<float>(error) / scale, meshopt_SimplifyLockBorder, nullptr)
-                : 0;
-  out.resize(left / 3);
-  flip_flat_triangles(local.positions, out);
-  remove_pillows(out);
+void collapse(const Surface& surface, const Ownership& ownership, Patch& patch, double error) {
+  const LocalMesh local = local_mesh(surface.positions, patch.given);
+  std::vector<Triangle> out = collapsed(local, local.triangles, error);
+  patch.broken = !surface.seam.empty() && !part_seams(local, surface.seam, error, out);
   const std::vector<bool> broken = broken_vertices(local.positions, out);
-  patch.broken = false;
   for (std::size_t v = 0; v < broken.size(); ++v)
     if (broken[v] && !ownership.shared(local.globals[v])) patch.broken = true;
   for (Triangle& t : out)

@@ -47,9 +47,16 @@ class Ownership {
 std::vector<Patch> cut(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
                        std::size_t wanted, double shift);
 
+/// What the patches are cut from.
+struct Surface {
+  std::span<const Vec3f> positions;
+  /// Vertices between which nothing may be made that was not given, as flags; empty: no such vertices.
+  const std::vector<bool>& seam;
+};
+
 /// Fills patch.result with what quadric edge collapse within `error` metres leaves of patch.given, and
 /// patch.broken with whether that is clean at the vertices it shares with no other patch.
-void collapse(std::span<const Vec3f> positions, const Ownership& ownership, Patch& patch, double error);
+void collapse(const Surface& surface, const Ownership& ownership, Patch& patch, double error);
 
 /// Mends triangles without area, as edge collapse makes them where the surface is exactly flat: the longest
 /// edge is flipped with the neighbour's, which leaves the shape as it is. Those that cannot be mended stay.

@@ -109,6 +109,67 @@ TEST(Simplify, KeepsManifoldnessAndOpenBorders) {
   }
 }
 
+/// Some triangles of a mesh as a mesh of their own.
+Mesh piece(const Mesh& mesh, const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+  Mesh out;
+  std::map<std::uint32_t, std::uint32_t> index;
+  for (const auto& t : triangles) {
+    out.triangles.emplace_back();
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto [at, fresh] = index.try_emplace(t[c], static_cast<std::uint32_t>(index.size()));
+      if (fresh) out.positions.push_back(mesh.positions[t[c]]);
+      out.triangles.back()[c] = at->second;
+    }
+  }
+  return out;
+}
+
+/// The columns of a mesh, each simplified by itself, and joined where positions are the same.
+Mesh joined_tiles(const Mesh& mesh, float side, double error, bool seams) {
+  std::map<std::pair<int, int>, std::vector<std::array<std::uint32_t, 3>>> tiles;
+  for (const auto& t : mesh.triangles) {
+    const Vec3f p = mesh.positions[t[0]];
+    tiles[{static_cast<int>(p.x / side), static_cast<int>(p.y / side)}].push_back(t);
+  }
+  Mesh out;
+  std::map<Point, std::uint32_t> index;
+  for (const auto& [place, triangles] : tiles) {
+    const Mesh small = simplify(piece(mesh, triangles), {.error = error, .seams = seams, .normals = {}});
+    for (const auto& t : small.triangles) {
+      out.triangles.emplace_back();
+      for (std::size_t c = 0; c < 3; ++c) {
+        const Vec3f p = small.positions[t[c]];
+        const auto [at, fresh] =
+            index.try_emplace(Point{p.x, p.y, p.z}, static_cast<std::uint32_t>(index.size()));
+        if (fresh) out.positions.push_back(p);
+        out.triangles.back()[c] = at->second;
+      }
+    }
+  }
+  return out;
+}
+
+TEST(Simplify, TilesJoinedAreManifold) {
+  const Mesh mesh = landscape(140);
+  std::uint64_t without = 0;
+  for (const double error : {1.0, 5.0}) {
+    const Mesh loose = joined_tiles(mesh, 47, error, false);
+    without += validate(loose).non_manifold_edges;
+    const Mesh joined = joined_tiles(mesh, 47, error, true);
+    EXPECT_THAT(defects(validate(joined)), IsEmpty()) << error;
+    EXPECT_TRUE(border(joined) == border(mesh));
+    // What keeps the seams apart is little.
+    EXPECT_LT(static_cast<double>(joined.triangles.size()),
+              1.2 * static_cast<double>(loose.triangles.size()));
+  }
+  EXPECT_GT(without, 0u);
+}
+
+TEST(Simplify, APieceThatCollapsesOntoAnotherLeavesNoHole) {
+  const Mesh mesh = landscape(140);
+  EXPECT_TRUE(border(joined_tiles(mesh, 70, 1, false)) == border(mesh));
+}
+
 TEST(Simplify, DoesNotDependOnThreads) {
   const Mesh mesh = landscape(120);
   set_thread_count(1);

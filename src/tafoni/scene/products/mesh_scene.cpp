@@ -34,7 +34,8 @@ constexpr double predicted_cells = 256;
 // some.
 constexpr std::int64_t grain = 4096;
 
-void finish(const BuiltScene& scene, mesh::Mesh& mesh, MeshResult& result, Progress& progress) {
+/// `tile`: whether the mesh is one of those that meet at their borders.
+void finish(const BuiltScene& scene, mesh::Mesh& mesh, bool tile, MeshResult& result, Progress& progress) {
   mesh.origin = scene.terrain.origin;
   double start = now();
   colour(scene, mesh, progress);
@@ -43,6 +44,7 @@ void finish(const BuiltScene& scene, mesh::Mesh& mesh, MeshResult& result, Progr
   start = now();
   mesh::SimplifySettings settings;
   settings.error = scene.document.scene.simplify;
+  settings.seams = tile;
   mesh::SimplifyStats stats;
   mesh = mesh::simplify(mesh, settings, progress, &stats);
   result.simplified.triangles_before += stats.triangles_before;
@@ -143,7 +145,7 @@ void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress) {
 }
 
 void finish_mesh(const BuiltScene& scene, MeshResult& result, Progress& progress) {
-  finish(scene, result.mesh, result, progress);
+  finish(scene, result.mesh, false, result, progress);
 }
 
 MeshResult mesh_scene(const BuiltScene& scene, Progress& progress) {
@@ -172,7 +174,7 @@ MeshResult mesh_scene_tiles(const BuiltScene& scene, int tiles, const surface::T
       field, settings,
       [&](surface::TileIndex index, mesh::Mesh&& tile) {
         const double inner = now();
-        finish(scene, tile, result, progress);
+        finish(scene, tile, true, result, progress);
         sink(index, std::move(tile));
         start += now() - inner;
       },
