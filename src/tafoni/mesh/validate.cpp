@@ -93,16 +93,12 @@ void check_normals(const Mesh& mesh, const std::vector<Triangle>& triangles, Mes
   }
   for (const Vec3f& n : mesh.normals)
     if (!finite(n) || std::abs(length(n) - 1.0f) > 1e-3f) ++report.bad_normals;
-  std::vector<bool> agrees(mesh.positions.size(), false), used(mesh.positions.size(), false);
   for (const Triangle& t : triangles) {
     const Corners c = corners(mesh, t);
-    const Vec3d normal = cross(c.b - c.a, c.c - c.a);
-    for (auto v : t) {
-      used[v] = true;
-      if (dot(normal, to_double(mesh.normals[v])) > 0) agrees[v] = true;
-    }
+    Vec3d mean;
+    for (auto v : t) mean += to_double(mesh.normals[v]);
+    report.flipped_normals += dot(cross(c.b - c.a, c.c - c.a), mean) < 0;
   }
-  for (std::size_t v = 0; v < used.size(); ++v) report.flipped_normals += used[v] && !agrees[v];
 }
 
 }  // namespace

@@ -23,7 +23,8 @@ struct MeshReport {
   std::uint64_t index_errors = 0;     ///< triangles that name a vertex that is not there
   std::uint64_t bad_positions = 0;    ///< NaN or infinite
   std::uint64_t bad_normals = 0;      ///< NaN, not of unit length (to 1e-3), or not one a vertex
-  std::uint64_t flipped_normals = 0;  ///< against all triangles around; a remark, not a defect
+  std::uint64_t flipped_normals = 0;  ///< triangles that face away from the mean of their corners' normals:
+                                      ///< drawn too dark or too bright; a remark, not a defect
 
   bool closed() const { return triangles > 0 && boundary_edges == 0; }
   /// 2-manifold (possibly with border), oriented, without bad data.

@@ -385,7 +385,7 @@ mesh::Mesh IncrementalMesher::assemble() {
       impl::find_parts(chunk.piece, scratch);
       chunk.parts_known = true;
     });
-  // Joining rewrites triangles: it gets a copy.
+  // Joining rewrites triangles and settles normals: it gets copies.
   impl::Arena arena;
   std::vector<Piece> pieces;
   impl::Connectivity connectivity;
@@ -393,11 +393,13 @@ mesh::Mesh IncrementalMesher::assemble() {
     pieces.push_back(s.chunks.at(at)->piece);
     Piece& piece = pieces.back();
     piece.triangles = arena.copy(piece.triangles.data(), piece.triangles.size());
+    piece.normals = arena.copy(piece.normals.data(), piece.normals.size());
     if (parts) connectivity.add(piece);
   }
   if (parts) connectivity.decide(s.settings.min_fragment_volume);
   double seconds = 0;
-  return impl::assemble(pieces, parts ? &connectivity : nullptr, &seconds, &seconds);
+  return impl::assemble(pieces, s.settings.voxel, parts ? &connectivity : nullptr, impl::SeamSums(), &seconds,
+                        &seconds);
 }
 
 const IncrementalMesher::Stats& IncrementalMesher::stats() const {

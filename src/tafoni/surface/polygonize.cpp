@@ -16,9 +16,11 @@ namespace tafoni::surface {
 namespace {
 
 using impl::CellSet;
+using impl::ChunkColumns;
 using impl::Connectivity;
 using impl::Piece;
 using impl::PieceMaker;
+using impl::SeamSums;
 
 /// What one thread needs to work on a column of chunks.
 struct PolygonizeWorker {
@@ -30,12 +32,6 @@ struct PolygonizeWorker {
   PieceMaker maker;
   field::ChunkSamples samples;
   PolygonizeStats stats;
-};
-
-/// Chunk columns [x0, x1) x [y0, y1).
-struct ChunkColumns {
-  int x0, x1, y0, y1;
-  std::int64_t count() const { return std::int64_t{x1 - x0} * (y1 - y0); }
 };
 
 class PolygonizeJob {
@@ -195,8 +191,8 @@ mesh::Mesh polygonize(const SourceFactory& source, const Box3d& bounds, const Po
     note_decision(connectivity.decide(settings.min_fragment_volume), sums);
     sums.stitch_seconds += now() - start;
   }
-  mesh::Mesh mesh =
-      impl::assemble(pieces, parts ? &connectivity : nullptr, &sums.stitch_seconds, &sums.gather_seconds);
+  mesh::Mesh mesh = impl::assemble(pieces, settings.voxel, parts ? &connectivity : nullptr, SeamSums(),
+                                   &sums.stitch_seconds, &sums.gather_seconds);
   sums.vertices = mesh.positions.size();
   sums.triangles = mesh.triangles.size();
   progress.end();
@@ -210,21 +206,27 @@ void polygonize_tiles(const SourceFactory& source, const Box3d& bounds, const Po
   PolygonizeJob job(source, bounds, settings, progress);
   const bool parts = settings.min_fragment_volume > 0;
   Connectivity connectivity;
-  if (parts) {
-    progress.begin("find fragments", job.columns(), "columns");
+  SeamSums seams;
+  // What a tile needs to know of the others: which parts are small, and which triangles lie beyond its seams.
+  if (parts || (settings.normals && settings.tiles_x * settings.tiles_y > 1)) {
+    progress.begin("look beyond the tiles", job.columns(), "columns");
     job.for_each_tile([&](TileIndex t) {
-      for (const Piece& piece : job.pieces(job.tile(t), false, true)) connectivity.add(piece);
+      const ChunkColumns tile = job.tile(t);
+      for (Piece& piece : job.pieces(tile, false, parts)) {
+        if (parts) connectivity.add(piece);
+        if (settings.normals) seams.add(piece, impl::settle_inside(piece, settings.voxel), tile);
+      }
       job.release();
     });
     job.forget_workers();
-    note_decision(connectivity.decide(settings.min_fragment_volume), sums);
+    if (parts) note_decision(connectivity.decide(settings.min_fragment_volume), sums);
     progress.end();
   }
   progress.begin("mesh", job.columns(), "columns");
   job.for_each_tile([&](TileIndex t) {
     auto pieces = job.pieces(job.tile(t), settings.normals, connectivity.any_removed());
-    mesh::Mesh mesh =
-        impl::assemble(pieces, parts ? &connectivity : nullptr, &sums.stitch_seconds, &sums.gather_seconds);
+    mesh::Mesh mesh = impl::assemble(pieces, settings.voxel, parts ? &connectivity : nullptr, seams,
+                                     &sums.stitch_seconds, &sums.gather_seconds);
     job.release();
     if (mesh.triangles.empty()) return;
     sums.vertices += mesh.positions.size();

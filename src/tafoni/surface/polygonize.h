@@ -35,7 +35,9 @@ struct PolygonizeSettings {
   /// Cubic metres. A closed piece of surface that encloses less is removed: a floating fragment, or a
   /// bubble inside the solid. 0 keeps all.
   double min_fragment_volume = 0;
-  bool normals = true;  ///< minus the field's gradient, unit length
+  /// Minus the field's gradient, unit length. Where the triangles around a vertex face elsewhere by more than
+  /// 37 degrees, along a crease or where the field is finer than a cell: their mean.
+  bool normals = true;
 };
 
 struct PolygonizeStats {
@@ -68,8 +70,9 @@ using TileSink = std::function<void(TileIndex, mesh::Mesh&&)>;
 
 /// The same triangles, one mesh a tile (a rectangle of chunk columns), handed to `sink` from the calling
 /// thread, row by row; empty tiles are left out. Vertices on a seam are repeated in each tile that uses
-/// them, bit for bit. Holds one tile at a time. Removing fragments needs a first pass over the whole
-/// surface, since what is connected is decided over all tiles; it costs a second evaluation.
+/// them, bit for bit. Holds one tile at a time. Removing fragments and normals need a first pass over the
+/// whole surface, since what is connected is decided over all tiles, and a normal on a seam depends on the
+/// triangles beyond it; it costs a second evaluation.
 void polygonize_tiles(const field::CompiledField& field, const PolygonizeSettings& settings,
                       const TileSink& sink, Progress& progress = silent(), PolygonizeStats* stats = nullptr);
 void polygonize_tiles(const SourceFactory& source, const Box3d& bounds, const PolygonizeSettings& settings,

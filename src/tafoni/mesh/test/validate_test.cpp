@@ -133,8 +133,8 @@ TEST(Validate, FindsBadNormals) {
   m.normals.pop_back();
   EXPECT_FALSE(validate(m).valid());
   m = tetrahedron();
-  m.normals[3] = -m.normals[3];
-  EXPECT_EQ(validate(m).flipped_normals, 1u);
+  for (Vec3f& n : m.normals) n = -n;
+  EXPECT_EQ(validate(m).flipped_normals, 4u);
 }
 
 TEST(Validate, AnEmptyMeshIsValidButNotClosed) {

@@ -18,6 +18,7 @@ constexpr std::uint32_t gone = std::numeric_limits<std::uint32_t>::max();
 /// A vertex of a piece that an earlier piece has already.
 struct Repeat {
   std::uint32_t vertex, owner, owner_vertex;
+  std::size_t rim, owner_rim;  ///< its place in both rims
 };
 
 using PieceIndex = std::unordered_map<Vec3i, std::uint32_t, ChunkHash>;
@@ -31,12 +32,15 @@ void find_face_repeats(const std::vector<Piece>& pieces, const PieceIndex& index
     (axis == 0 ? chunk.x : axis == 1 ? chunk.y : chunk.z) -= 1;
     const auto found = index.find(chunk);
     if (low.empty() || found == index.end()) continue;
-    const auto& high = pieces[found->second].faces[2 * axis + 1];
+    const Piece& owner = pieces[found->second];
+    const auto& high = owner.faces[2 * axis + 1];
+    const std::size_t rim = rim_begin(piece, 2 * axis), owner_rim = rim_begin(owner, 2 * axis + 1);
     std::size_t at = 0;
-    for (const BorderVertex& v : low) {
+    for (std::size_t own = 0; own < low.size(); ++own) {
+      const BorderVertex& v = low[own];
       while (at < high.size() && high[at].place < v.place) ++at;
       if (at < high.size() && high[at].place == v.place)
-        out.push_back({v.vertex, found->second, high[at].vertex});
+        out.push_back({v.vertex, found->second, high[at].vertex, rim + own, owner_rim + at});
     }
   }
 }
@@ -45,13 +49,18 @@ void find_face_repeats(const std::vector<Piece>& pieces, const PieceIndex& index
 void find_corner_repeats(const std::vector<Piece>& pieces, std::vector<std::vector<Repeat>>& repeats) {
   struct Owner {
     std::uint32_t piece, vertex;
+    std::size_t rim;
   };
   std::unordered_map<LatticeEdge, Owner, LatticeEdgeHash> owners;
-  for (std::uint32_t p = 0; p < pieces.size(); ++p)
+  for (std::uint32_t p = 0; p < pieces.size(); ++p) {
+    std::size_t rim = rim_begin(pieces[p], 6);
     for (const CornerVertex& v : pieces[p].corners) {
-      const auto [at, fresh] = owners.emplace(v.edge, Owner{p, v.vertex});
-      if (!fresh) repeats[p].push_back({v.vertex, at->second.piece, at->second.vertex});
+      const auto [at, fresh] = owners.emplace(v.edge, Owner{p, v.vertex, rim});
+      const Owner& owner = at->second;
+      if (!fresh) repeats[p].push_back({v.vertex, owner.piece, owner.vertex, rim, owner.rim});
+      ++rim;
     }
+  }
 }
 
 /// The new index of every vertex of every piece.
@@ -150,8 +159,8 @@ void gather_triangles(const std::vector<Piece>& pieces, std::vector<std::array<s
 
 }  // namespace
 
-mesh::Mesh assemble(std::vector<Piece>& pieces, const Connectivity* connectivity, double* stitch_seconds,
-                    double* gather_seconds) {
+mesh::Mesh assemble(std::vector<Piece>& pieces, double voxel, const Connectivity* connectivity,
+                    const SeamSums& seams, double* stitch_seconds, double* gather_seconds) {
   const double start = now();
   const std::int64_t count = pieces.size();
   const auto each = [&](const auto& body) { parallel_for(count, [&](std::int64_t p) { body(p); }); };
@@ -160,12 +169,22 @@ mesh::Mesh assemble(std::vector<Piece>& pieces, const Connectivity* connectivity
   std::vector<std::vector<Repeat>> repeats(pieces.size());
   find_corner_repeats(pieces, repeats);
   Numbering numbering(pieces);
+  const bool normals = !pieces.empty() && !pieces[0].normals.empty();
+  std::vector<std::vector<FacetSum>> rims(pieces.size());
   each([&](std::size_t p) {
     find_face_repeats(pieces, index, pieces[p], repeats[p]);
     numbering.count_own(p, pieces[p], repeats[p], connectivity);
+    if (normals) rims[p] = settle_inside(pieces[p], voxel);
   });
   numbering.sum();
-  each([&](std::size_t p) { numbering.globalise(p, pieces[p]); });
+  if (normals)
+    for (std::size_t p = 0; p < pieces.size(); ++p)
+      for (const Repeat& r : repeats[p]) rims[r.owner][r.owner_rim] += rims[p][r.rim];
+  each([&](std::size_t p) {
+    numbering.globalise(p, pieces[p]);
+    seams.complete(pieces[p], rims[p]);
+    settle_rim(pieces[p], rims[p], voxel);
+  });
   // An owner's vertex is never a repeat itself, so nothing read here is written here.
   each([&](std::size_t p) {
     for (const Repeat& r : repeats[p]) numbering.of(p)[r.vertex] = numbering.of(r.owner)[r.owner_vertex];

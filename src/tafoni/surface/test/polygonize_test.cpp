@@ -1,6 +1,8 @@
 #include "tafoni/surface/polygonize.h"
 
+#include <array>
 #include <cstring>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -192,6 +194,58 @@ TEST(Polygonize, RemovesFragmentsWholeAndKeepsLargeOnes) {
   EXPECT_EQ(mesh::metrics(mesh).components, 2u);
   const double expected = 4 * pi * 27000 / 3 + pi * 1.44 * 180;
   EXPECT_NEAR(mesh::metrics(mesh).volume, expected, 0.01 * expected);
+}
+
+/// A ball whose relief is finer than a cell, and a blade with an acute edge: gradients on neighbouring edges
+/// of the lattice have little to do with each other.
+double rough_ball(Vec3d p) {
+  const double relief = 0.8 * std::sin(5.1 * p.x) * std::sin(4.7 * p.y + 1) * std::sin(5.3 * p.z + 2);
+  const double blade = std::min({p.z - 0.3 * p.x, 0.4 * p.x - p.z, 90 - length(p)});
+  return std::max(70 - length(p) + relief, blade);
+}
+
+TEST(Polygonize, NormalsAgreeWithTrianglesWhereTheFieldIsFinerThanACell) {
+  PolygonizeSettings settings = solid(1.5, cube(100));
+  const mesh::Mesh mesh = mesh_of(rough_ball, settings);
+  const mesh::MeshReport report = mesh::validate(mesh);
+  EXPECT_THAT(mesh::defects(report), testing::IsEmpty());
+  EXPECT_LE(report.flipped_normals, mesh.triangles.size() / 2000);
+  // The field's own gradient would not do.
+  std::uint64_t flipped = 0;
+  for (const auto& t : mesh.triangles) {
+    Vec3d mean;
+    for (auto v : t) {
+      const Vec3d p = to_double(mesh.positions[v]);
+      const auto slope = [&](Vec3d e) { return rough_ball(p + e) - rough_ball(p - e); };
+      mean -= normalized(Vec3d{slope({1e-4, 0, 0}), slope({0, 1e-4, 0}), slope({0, 0, 1e-4})});
+    }
+    const Vec3f a = mesh.positions[t[0]];
+    flipped += dot(to_double(cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a)), mean) < 0;
+  }
+  EXPECT_GT(flipped, 10 * report.flipped_normals + 100);
+}
+
+TEST(Polygonize, NormalsAreTheSameOnBothSidesOfEverySeam) {
+  for (double least : {0.0, 5.0}) {
+    PolygonizeSettings settings = solid(1.5, cube(150));
+    settings.min_fragment_volume = least;
+    const mesh::Mesh whole = mesh_of(rough_ball, settings);
+    std::map<std::array<float, 3>, Vec3f> normals;
+    for (std::size_t v = 0; v < whole.positions.size(); ++v)
+      normals[{whole.positions[v].x, whole.positions[v].y, whole.positions[v].z}] = whole.normals[v];
+    settings.tiles_x = 3, settings.tiles_y = 2;
+    std::size_t vertices = 0, others = 0;
+    polygonize_tiles(test::analytic(rough_ball, settings.voxel, settings.region), settings.region, settings,
+                     [&](TileIndex, mesh::Mesh&& tile) {
+                       for (std::size_t v = 0; v < tile.positions.size(); ++v) {
+                         const Vec3f p = tile.positions[v];
+                         others += !(normals.at({p.x, p.y, p.z}) == tile.normals[v]);
+                       }
+                       vertices += tile.positions.size();
+                     });
+    EXPECT_GT(vertices, whole.positions.size());
+    EXPECT_EQ(others, 0u);
+  }
 }
 
 TEST(Polygonize, OpenBorderIsACleanLatticeLine) {
