@@ -283,6 +283,7 @@ void DestructibleTerrain::record(const std::filesystem::path& journal, Progress&
   const JournalContents contents = read_journal(journal);
   JournalWriter writer(journal, contents);  // from here on nobody else changes the file
   if (!made) impl_->replay(contents, journal, progress);
+  writer.append({});  // cuts a torn end off
   impl_->journal.emplace(std::move(writer));
 }
 

@@ -168,13 +168,14 @@ void write_journal(const std::filesystem::path& file, Digest base, const std::ve
 }
 
 bool make_journal(const std::filesystem::path& file, Digest base, const std::vector<Message>& edits) {
+  std::error_code missing;
+  const auto has_bytes = [&] { return std::filesystem::file_size(file, missing) > 0 && !missing; };
+  if (has_bytes()) return false;
   const inner::FileLock lock = lock_journal(file);
-  std::error_code code;
-  const auto size = std::filesystem::file_size(file, code);
-  if (!code && size > 0) return false;
+  if (has_bytes()) return false;  // another made it meanwhile
   AtomicFile out(file);
   put_journal(out, base, edits);
-  if (code) return out.commit_new();
+  if (missing) return out.commit_new();
   out.commit();
   return true;
 }

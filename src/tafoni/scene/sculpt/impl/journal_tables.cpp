@@ -83,7 +83,7 @@ void read_row(const Database& database, const Query& query, const JournalRows& k
   }
   // Strokes come by ascending ids, so that whatever a stroke stands on is here, and no chain has a circle.
   if (id < 0 || row.before < 0 || row.before >= id || !rows.contains(row.before))
-    fail_damaged(database, fmt::format("stroke {} stands on {}, which is missing", id, row.before));
+    fail_damaged(database, fmt::format("stroke {} stands on {}, which is no earlier one", id, row.before));
   if (const auto found = known.find(id); found != known.end()) {
     row.stroke = found->second.stroke;
   } else {
