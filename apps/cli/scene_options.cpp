@@ -118,16 +118,6 @@ std::vector<fs::path> inputs_of(const scene::Document& document) {
   return out;
 }
 
-void check_output(const fs::path& path, const std::vector<fs::path>& inputs) {
-  std::error_code code;
-  for (const fs::path& input : inputs) {
-    if (fs::equivalent(path, input, code))
-      fail(ErrorKind::usage, "{}: is an input of this command and would be overwritten; choose another name",
-           path.string());
-  }
-  const AtomicFile probe(path);
-}
-
 void write_file(const fs::path& path, const std::string& text) {
   AtomicFile file(path);
   file.write(text);

@@ -8,9 +8,9 @@
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
-#include "tafoni/core/atomic_file.h"
+#include "tafoni/core/error.h"
+#include "tafoni/core/files.h"
 #include "tafoni/field/chunks.h"
 #include "tafoni/io/format.h"
 #include "tafoni/io/image_file.h"
@@ -21,6 +21,7 @@
 #include "tafoni/scene/products/mesh_scene.h"
 #include "tafoni/scene/products/report.h"
 #include "tafoni/scene/products/volume_scene.h"
+#include "tafoni/scene/sculpt/copy.h"
 
 namespace tafoni::cli {
 
@@ -40,56 +41,6 @@ struct Files {
     }
   }
 };
-
-void check_outputs(const scene::Document& document, const std::string& scene_file,
-                   const OutputOptions& outputs) {
-  if (!outputs.builds() && outputs.save_scene.empty() && !outputs.dry_run)
-    fail(ErrorKind::usage, "nothing to write: give -o FILE, --preview PNG, --report JSON or --dry-run");
-  const Files files(outputs);
-  if (files.volumes.empty() && (outputs.band || outputs.half))
-    fail(ErrorKind::usage, "--band and --half are for volumes; give -o FILE.tvol or FILE.vdb");
-  const auto none = [&](const auto& can) {
-    return std::none_of(files.meshes.begin(), files.meshes.end(), [&](const std::string& file) {
-      return can(io::format_of(file, {io::Ability::write_mesh}));
-    });
-  };
-  if (outputs.texture && none([](const io::FormatType& f) { return f.texture; }))
-    fail(ErrorKind::usage,
-         "--texture is for meshes that hold texture coordinates; give -o FILE.glb or FILE.obj");
-  if (outputs.world_coordinates && none([](const io::FormatType& f) { return f.world; }))
-    fail(ErrorKind::usage,
-         "--world-coordinates is for meshes that hold doubles; give -o FILE.ply or FILE.obj");
-  if (outputs.float_colors && none([](const io::FormatType& f) { return f.float_colors; }))
-    fail(ErrorKind::usage, "--float-colors is for GLB; give -o FILE.glb");
-  if (!outputs.up.empty() &&
-      none([&](const io::FormatType& f) { return f.ups.find(outputs.up) != std::string::npos; }))
-    fail(ErrorKind::usage, "--up {}: no mesh to write can have it; give -o FILE.obj, FILE.ply or FILE.stl",
-         outputs.up);
-  if (!outputs.preview.empty()) io::format_of(outputs.preview, io::Ability::write_image);
-  const bool tiled = outputs.tiles.value_or(1) > 1;
-  if (tiled && !files.volumes.empty())
-    fail(ErrorKind::usage, "{}: a volume is written as a whole; leave out --tiles", files.volumes.front());
-  if (tiled && !outputs.preview.empty())
-    fail(ErrorKind::usage, "--preview needs the whole mesh at once; leave out --tiles, or use tafoni render");
-
-  std::vector<fs::path> inputs = inputs_of(document);
-  if (!outputs.save_scene.empty()) {
-    if (!is_scene_file(outputs.save_scene))
-      fail(ErrorKind::usage, "{}: a scene file must end in .toml", outputs.save_scene);
-    check_output(outputs.save_scene, inputs);
-  }
-  if (!scene_file.empty()) inputs.push_back(scene_file);
-  std::vector<std::string> seen = {outputs.save_scene};
-  std::vector<std::string> wanted = outputs.files;
-  wanted.insert(wanted.end(), {outputs.preview, outputs.report});
-  for (const std::string& path : wanted) {
-    if (path.empty()) continue;
-    if (std::find(seen.begin(), seen.end(), path) != seen.end())
-      fail(ErrorKind::usage, "{}: is asked for twice; give each output a name of its own", path);
-    check_output(path, inputs);
-    seen.push_back(path);
-  }
-}
 
 io::MeshMetadata metadata(const scene::BuiltScene& scene, const std::string& path) {
   io::MeshMetadata data;
@@ -114,41 +65,25 @@ io::MeshForm form_of(const OutputOptions& outputs, const std::string& file) {
 /// Tiles in the making; they take their places together at the end.
 class TileFolder {
  public:
-  explicit TileFolder(const fs::path& target)
-      : target_(target),
-        folder_(target.parent_path() / fmt::format(".{}.{}", target.filename().string(), ::getpid())) {
-    std::error_code code;
-    if (!fs::create_directories(folder_, code))
-      fail(ErrorKind::output, "{}: no folder can be made beside it; check permissions and space",
-           target.string());
-  }
-  ~TileFolder() {
-    std::error_code code;
-    fs::remove_all(folder_, code);
-  }
-  TileFolder(const TileFolder&) = delete;
-  TileFolder& operator=(const TileFolder&) = delete;
+  explicit TileFolder(const fs::path& target) : target_(target), folder_(target.parent_path()) {}
 
   fs::path next(surface::TileIndex index) {
-    names_.push_back(
-        fmt::format("{}_{}_{}{}", target_.stem().string(), index.x, index.y, target_.extension().string()));
-    return folder_ / names_.back();
+    places_.push_back(tile_name(target_, index.x, index.y));
+    return folder_.path() / places_.back().filename();
   }
-  std::vector<fs::path> commit() {
-    std::vector<fs::path> out;
-    for (const std::string& name : names_) {
-      out.push_back(target_.parent_path() / name);
+  const std::vector<fs::path>& commit() {
+    for (const fs::path& place : places_) {
       std::error_code code;
-      fs::rename(folder_ / name, out.back(), code);
-      if (code)
-        fail(ErrorKind::output, "{}: cannot be put in place: {}", out.back().string(), code.message());
+      fs::rename(folder_.path() / place.filename(), place, code);
+      if (code) fail(ErrorKind::output, "{}: cannot be put in place: {}", place.string(), code.message());
     }
-    return out;
+    return places_;
   }
 
  private:
-  fs::path target_, folder_;
-  std::vector<std::string> names_;
+  fs::path target_;
+  TemporaryFolder folder_;
+  std::vector<fs::path> places_;
 };
 
 std::string file_line(const fs::path& path) {
@@ -261,7 +196,7 @@ scene::MeshResult write_tiles(const scene::BuiltScene& scene, const std::vector<
   if (written_tiles.empty()) fail_without_surface(scene, result);
   tell_missing(tiles, written_tiles, console);
   for (TileFolder& folder : folders)
-    for (auto& path : folder.commit()) written.push_back(std::move(path));
+    for (const fs::path& path : folder.commit()) written.push_back(path);
   return result;
 }
 
@@ -304,6 +239,50 @@ void write_volumes(const scene::BuiltScene& scene, const OutputOptions& outputs,
 
 }  // namespace
 
+void check_outputs(const scene::Document& document, const std::string& scene_file,
+                   const OutputOptions& outputs, CommandFiles command) {
+  if (!outputs.any())
+    fail(ErrorKind::usage, "nothing to write: give -o FILE, --preview PNG, --report JSON or --dry-run");
+  const Files files(outputs);
+  if (files.volumes.empty() && (outputs.band || outputs.half))
+    fail(ErrorKind::usage, "--band and --half are for volumes; give -o FILE.tvol or FILE.vdb");
+  const auto none = [&](const auto& can) {
+    return std::none_of(files.meshes.begin(), files.meshes.end(), [&](const std::string& file) {
+      return can(io::format_of(file, {io::Ability::write_mesh}));
+    });
+  };
+  if (outputs.texture && none([](const io::FormatType& f) { return f.texture; }))
+    fail(ErrorKind::usage,
+         "--texture is for meshes that hold texture coordinates; give -o FILE.glb or FILE.obj");
+  if (outputs.world_coordinates && none([](const io::FormatType& f) { return f.world; }))
+    fail(ErrorKind::usage,
+         "--world-coordinates is for meshes that hold doubles; give -o FILE.ply or FILE.obj");
+  if (outputs.float_colors && none([](const io::FormatType& f) { return f.float_colors; }))
+    fail(ErrorKind::usage, "--float-colors is for GLB; give -o FILE.glb");
+  if (!outputs.up.empty() &&
+      none([&](const io::FormatType& f) { return f.ups.find(outputs.up) != std::string::npos; }))
+    fail(ErrorKind::usage, "--up {}: no mesh to write can have it; give -o FILE.obj, FILE.ply or FILE.stl",
+         outputs.up);
+  if (!outputs.preview.empty()) io::format_of(outputs.preview, io::Ability::write_image);
+  const bool tiled = outputs.tiles.value_or(1) > 1;
+  if (tiled && !files.volumes.empty())
+    fail(ErrorKind::usage, "{}: a volume is written as a whole; leave out --tiles", files.volumes.front());
+  if (tiled && !outputs.preview.empty())
+    fail(ErrorKind::usage, "--preview needs the whole mesh at once; leave out --tiles, or use tafoni render");
+
+  if (!outputs.save_scene.empty() && !is_scene_file(outputs.save_scene))
+    fail(ErrorKind::usage, "{}: a scene file must end in .toml", outputs.save_scene);
+  for (const fs::path& input : inputs_of(document)) command.reads(input);
+  // The scene may be saved to where it came from, but nothing else may be written there.
+  if (scene_file.empty() || outputs.save_scene.empty() || !same_file(scene_file, outputs.save_scene))
+    command.reads(scene_file);
+  command.writes(outputs.save_scene);
+  for (const std::string& file : outputs.files)
+    tiled ? command.writes_tiles(file, *outputs.tiles) : command.writes(file);
+  command.writes(outputs.preview);
+  command.writes(outputs.report);
+}
+
 void run_scene(const scene::Document& document, const std::string& scene_file, const OutputOptions& outputs,
                Console& console) {
   check_outputs(document, scene_file, outputs);
@@ -331,7 +310,7 @@ void run_scene(const scene::Document& document, const std::string& scene_file, c
     if (!files.volumes.empty()) write_volumes(scene, outputs, files.volumes, written, console);
   }
   if (!outputs.save_scene.empty()) {
-    scene::save_scene(document, outputs.save_scene);
+    scene::save_copy(document, outputs.save_scene);
     written.emplace_back(outputs.save_scene);
   }
   if (!console.json())

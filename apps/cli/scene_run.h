@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "args.h"
+#include "command_files.h"
 #include "console.h"
 
 #include "tafoni/core/error.h"
@@ -48,6 +49,8 @@ struct OutputOptions {
   void declare(Args& args);
   /// Whether anything is asked for that takes building the scene.
   bool builds() const { return !files.empty() || !preview.empty() || !report.empty(); }
+  /// Whether there is anything to do for run_scene().
+  bool any() const { return builds() || !save_scene.empty() || dry_run; }
 };
 
 using scene::is_scene_file;
@@ -70,9 +73,11 @@ auto of_file(const std::string& path, const Make& make) {
 /// document came from, or empty.
 void run_scene(const scene::Document& document, const std::string& scene_file, const OutputOptions& outputs,
                Console& console);
+/// The check alone, for a command that changes something before it runs the scene. `files` has what else the
+/// command reads and writes.
+void check_outputs(const scene::Document& document, const std::string& scene_file,
+                   const OutputOptions& outputs, CommandFiles files = {});
 
-/// Throws Error{output} when `path` could not be written, Error{usage} when it is one of `inputs`.
-void check_output(const std::filesystem::path& path, const std::vector<std::filesystem::path>& inputs);
 /// The paths of all files that a document reads.
 std::vector<std::filesystem::path> inputs_of(const scene::Document& document);
 

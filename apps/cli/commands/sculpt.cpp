@@ -65,7 +65,8 @@ std::string as_file(const std::vector<scene::Journal::Entry>& strokes) {
 
 /// What changes the journal, in the order in which --help names it.
 void edit(const Sculpt& s, scene::Session& session, std::size_t layer,
-          const std::vector<scene::Stroke>& strokes, Console& console) {
+          const std::vector<scene::Stroke>& strokes, bool changes, Console& console) {
+  const auto other = changes ? session.borrowed_from(layer) : std::nullopt;
   const auto say = [&](const char* what, std::size_t n) {
     if (!console.json()) console.print(fmt::format("{}  {} stroke{}\n", what, n, n == 1 ? "" : "s"));
   };
@@ -74,9 +75,22 @@ void edit(const Sculpt& s, scene::Session& session, std::size_t layer,
   if (s.go_to) session.go_to(layer, *s.go_to);
   if (s.mute) session.mute_stroke(layer, *s.mute, true);
   if (s.unmute) session.mute_stroke(layer, *s.unmute, false);
-  if (strokes.empty()) return;
-  session.stroke(layer, strokes);
-  say("stored", strokes.size());
+  if (!strokes.empty()) {
+    session.stroke(layer, strokes);
+    say("stored", strokes.size());
+  }
+  if (other && !console.json())
+    console.print(fmt::format("copied  the strokes of {}, which stay there as they were\n", other->string()));
+}
+
+/// Before anything is changed: an output that cannot be written must not leave half the work done.
+void check_files(const Sculpt& s, const scene::Session& session) {
+  CommandFiles files;
+  files.reads(s.strokes_file);
+  files.writes(s.write);
+  if (s.outputs.any()) return check_outputs(session.document(), s.scene_file, s.outputs, files);
+  files.reads(s.scene_file);
+  for (const auto& input : inputs_of(session.document())) files.reads(input);
 }
 
 int run(const Sculpt& s, Console& console) {
@@ -85,17 +99,18 @@ int run(const Sculpt& s, Console& console) {
          "{}: strokes are kept with a scene file; make one with tafoni amplify --save-scene", s.scene_file);
   const bool changes =
       !s.strokes.empty() || !s.strokes_file.empty() || s.undo || s.redo || s.go_to || s.mute || s.unmute;
-  const bool builds = s.outputs.builds();
+  const bool builds = s.outputs.any();
   if (!changes && !builds && !s.list && !s.all && s.write.empty())
     fail(ErrorKind::usage,
          "nothing to do: give --stroke, --strokes, --undo, --redo, --mute, --unmute, --list or --write");
   const auto strokes = strokes_of(s);
   scene::Session session = scene::Session::open(s.scene_file);
   const std::size_t layer = session.sculpt_layer(s.layer);
-  edit(s, session, layer, strokes, console);
+  check_files(s, session);
+  edit(s, session, layer, strokes, changes, console);
   if (s.list || s.all) print_list(s.all ? session.history(layer) : session.strokes(layer), console);
   if (!s.write.empty()) {
-    check_output(s.write, inputs_of(session.document()));
+    check_files(s, session);  // the layer's journal may be new
     write_file(s.write, as_file(session.strokes(layer)));
   }
   if (!builds) return 0;

@@ -1,10 +1,10 @@
-// Writes a file under a temporary name beside its target through a buffer, and renames it when it is
-// complete.
+// Writes a file without a name through a buffer, and gives it the target's name when it is complete. A name
+// can be given but not taken over in one step, so one that is to replace a target is renamed.
 
 #include "tafoni/core/atomic_file.h"
 
-#include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 
 #include <fcntl.h>
@@ -12,6 +12,9 @@
 #include <unistd.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/files.h"
+#include "tafoni/core/impl/left_over.h"
+#include "tafoni/core/inner/file_lock.h"
 
 namespace tafoni {
 namespace {
@@ -25,6 +28,10 @@ bool replaceable(const std::filesystem::path& target) {
   return !std::filesystem::exists(status) || std::filesystem::is_regular_file(status);
 }
 
+std::filesystem::path path_of(int fd) {
+  return "/proc/self/fd/" + std::to_string(fd);
+}
+
 }  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)) {
@@ -34,18 +41,15 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
   if (!replaceable(target_))
     fail(ErrorKind::output, "cannot write {}: it is not a plain file; name one.", target_.string());
   // A link stays a link: what it points at is replaced.
-  if (std::filesystem::is_symlink(target_, ignored)) {
-    auto resolved = std::filesystem::weakly_canonical(target_, ignored);
-    if (!ignored) target_ = std::move(resolved);
+  target_ = follow_links(target_);
+  const std::filesystem::path folder = target_.has_parent_path() ? target_.parent_path() : ".";
+  impl::clear_left_over(folder);
+  fd_ = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+  if (fd_ >= 0 && !std::filesystem::exists(path_of(fd_), ignored)) {
+    ::close(fd_);
+    fd_ = -1;
   }
-  static std::atomic<unsigned> counter{0};
-  for (int attempt = 0; attempt < 100; ++attempt) {
-    temporary_ = target_;
-    temporary_.replace_filename(fmt::format(".{}.{}-{}{}", target_.stem().string(), ::getpid(), counter++,
-                                            target_.extension().string()));
-    fd_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (fd_ >= 0 || errno != EEXIST) break;
-  }
+  if (fd_ < 0) fd_ = impl::make_temporary_file(folder, temporary_);
   if (fd_ < 0) fail_write(std::strerror(errno));
   struct stat info {};
   if (::stat(target_.c_str(), &info) == 0) (void)::fchmod(fd_, info.st_mode & 07777);
@@ -54,8 +58,12 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
 
 AtomicFile::~AtomicFile() {
   if (fd_ < 0) return;
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
   ::close(fd_);
-  ::unlink(temporary_.c_str());
+}
+
+std::filesystem::path AtomicFile::path() const {
+  return temporary_.empty() ? path_of(fd_) : temporary_;
 }
 
 void AtomicFile::fail_write(const char* what) const {
@@ -97,10 +105,42 @@ void AtomicFile::seek(std::size_t position) {
   if (::lseek(fd_, static_cast<off_t>(position), SEEK_SET) < 0) fail_write(std::strerror(errno));
 }
 
-void AtomicFile::commit() {
+void AtomicFile::finish() {
   flush();
   // Some disks tell that they are full only here.
   if (::fsync(fd_) != 0 && errno != EINVAL && errno != EROFS) fail_write(std::strerror(errno));
+}
+
+bool AtomicFile::name_it(const std::filesystem::path& name) {
+  if (temporary_.empty())
+    return ::linkat(AT_FDCWD, path_of(fd_).c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, name.c_str(), RENAME_NOREPLACE) == 0) return true;
+  if (errno != EINVAL && errno != ENOSYS) return false;
+  // The disk cannot rename without replacing.
+  if (::link(temporary_.c_str(), name.c_str()) != 0) return false;
+  ::unlink(temporary_.c_str());
+  return true;
+}
+
+bool AtomicFile::commit_new() {
+  finish();
+  if (!name_it(target_)) {
+    if (errno == EEXIST) return false;
+    fail_write(std::strerror(errno));
+  }
+  ::close(fd_);
+  fd_ = -1;
+  return true;
+}
+
+void AtomicFile::commit() {
+  if (commit_new()) return;
+  if (temporary_.empty()) {
+    inner::try_lock(fd_);  // while it has a temporary name
+    const std::filesystem::path name = impl::temporary_name(target_.parent_path());
+    if (!name_it(name)) fail_write(std::strerror(errno));
+    temporary_ = name;
+  }
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail_write(std::strerror(errno));
   ::close(fd_);
   fd_ = -1;

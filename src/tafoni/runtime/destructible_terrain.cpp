@@ -305,6 +305,8 @@ std::vector<Message> DestructibleTerrain::edits_since(std::uint64_t version) con
 
 void DestructibleTerrain::save(const std::filesystem::path& journal) const {
   const std::lock_guard lock(impl_->edit_mutex);
+  // What is recorded is in its file already.
+  if (impl_->journal && impl_->journal->writes_to(journal)) return impl_->journal->sync();
   write_journal(journal, impl_->base, impl_->history.edits());
 }
 
@@ -317,12 +319,13 @@ std::uint64_t DestructibleTerrain::replay(const std::filesystem::path& journal, 
 
 void DestructibleTerrain::record(const std::filesystem::path& journal, Progress& progress) {
   const std::lock_guard lock(impl_->edit_mutex);
-  std::error_code ignored;
-  if (std::filesystem::exists(journal, ignored))
-    impl_->replay(read_journal(journal), journal, progress);
-  else
-    write_journal(journal, impl_->base, impl_->history.edits());
-  impl_->journal.emplace(journal, read_journal(journal));
+  if (impl_->journal && impl_->journal->writes_to(journal)) return;
+  const bool made = make_journal(journal, impl_->base, impl_->history.edits());
+  const JournalContents contents = read_journal(journal);
+  JournalWriter writer(journal, contents);  // from here on nobody else changes the file
+  if (!made) impl_->replay(contents, journal, progress);
+  writer.append({});  // cuts a torn end off
+  impl_->journal.emplace(std::move(writer));
 }
 
 void DestructibleTerrain::sync() {

@@ -169,15 +169,17 @@ class DestructibleTerrain {
   /// The messages that lead from that version to the present one, for a peer that joins late.
   std::vector<Message> edits_since(std::uint64_t version) const;
 
-  /// Writes all edits as a journal, beside the file and renamed.
+  /// Writes all edits as a journal, whole or not at all. Throws Error{output} for one that another terrain or
+  /// program records in.
   void save(const std::filesystem::path& journal) const;
   /// Applies the journal's edits to a terrain that has none yet. An edit left unfinished at its end by a
   /// crash is left out. Returns how many were applied. Throws Error{usage} after edits, and Error{input} for
   /// a journal that is damaged or of another terrain.
   std::uint64_t replay(const std::filesystem::path& journal, Progress& progress = silent());
   /// From now on appends each edit to the journal before it is seen. Where the file exists its edits are
-  /// replayed first; otherwise it begins with those made so far. An edit that cannot be appended throws
-  /// Error{output} and is not made.
+  /// replayed first; otherwise, and where it has no bytes, it begins with those made so far. An edit that
+  /// cannot be appended throws Error{output} and is not made. Throws Error{output} where another terrain or
+  /// program records in the file: one journal has one writer.
   void record(const std::filesystem::path& journal, Progress& progress = silent());
   /// Returns when all recorded edits are on the disk.
   void sync();

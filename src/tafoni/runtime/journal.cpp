@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <utility>
@@ -14,6 +15,7 @@
 
 #include "tafoni/core/atomic_file.h"
 #include "tafoni/core/error.h"
+#include "tafoni/core/inner/file_lock.h"
 #include "tafoni/runtime/impl/bytes.h"
 
 namespace tafoni::runtime {
@@ -73,8 +75,9 @@ bool take(std::span<const std::byte> left, std::size_t written, Digest base, std
 
 std::vector<std::byte> read_whole(const std::filesystem::path& file) {
   std::error_code code;
-  const auto size = std::filesystem::file_size(file, code);
-  std::ifstream in(file, std::ios::binary);
+  const auto size = std::filesystem::file_size(file, code);  // of plain files alone: others may never end
+  std::ifstream in;
+  if (!code) in.open(file, std::ios::binary);
   if (code || !in) fail(ErrorKind::input, "{}: cannot be read; check the path", file.string());
   std::vector<std::byte> bytes(size);
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
@@ -82,9 +85,7 @@ std::vector<std::byte> read_whole(const std::filesystem::path& file) {
   return bytes;
 }
 
-}  // namespace
-
-JournalContents parse_journal(std::span<const std::byte> bytes, std::string_view name) {
+JournalContents survey(std::span<const std::byte> bytes, std::string_view name) {
   ByteReader in(bytes);
   if (in.get<std::uint64_t>() != magic)
     fail(ErrorKind::input, "{}: is no journal of a terrain's edits; check the path", name);
@@ -102,22 +103,21 @@ JournalContents parse_journal(std::span<const std::byte> bytes, std::string_view
   std::size_t at = header_bytes;
   Message message;
   std::uint32_t number = 1;
-  while (at < written && take(bytes.subspan(at), written - at, contents.base, number, name, message)) {
-    at += head_bytes + message.size() + tail_bytes;
-    contents.edits.push_back(std::move(message));
-    ++number;
+  try {
+    while (at < written && take(bytes.subspan(at), written - at, contents.base, number, name, message)) {
+      at += head_bytes + message.size() + tail_bytes;
+      contents.edits.push_back(std::move(message));
+      ++number;
+    }
+  } catch (const Error& error) {
+    contents.damage = error.what();
   }
   contents.bytes = at;
   contents.torn = bytes.size() - at;
   return contents;
 }
 
-JournalContents read_journal(const std::filesystem::path& file) {
-  return parse_journal(read_whole(file), file.string());
-}
-
-void write_journal(const std::filesystem::path& file, Digest base, const std::vector<Message>& edits) {
-  AtomicFile out(file);
+void put_journal(AtomicFile& out, Digest base, const std::vector<Message>& edits) {
   const auto head = header(base);
   out.write(head.data(), head.size());
   std::uint32_t number = 0;
@@ -126,20 +126,78 @@ void write_journal(const std::filesystem::path& file, Digest base, const std::ve
     put_record(record, base, ++number, message);
     out.write(record.bytes.data(), record.bytes.size());
   }
+}
+
+/// Held while the file is replaced. Throws where somebody appends to it.
+inner::FileLock lock_journal(const std::filesystem::path& file) {
+  if (auto lock = inner::FileLock::take(file, std::chrono::milliseconds(0))) return std::move(*lock);
+  fail(ErrorKind::output, "cannot write {}: a program records in it; end that first, or give another name",
+       file.string());
+}
+
+}  // namespace
+
+JournalContents parse_journal(std::span<const std::byte> bytes, std::string_view name) {
+  JournalContents contents = survey(bytes, name);
+  if (!contents.damage.empty()) throw Error(ErrorKind::input, contents.damage);
+  return contents;
+}
+
+JournalContents read_journal(const std::filesystem::path& file) {
+  return parse_journal(read_whole(file), file.string());
+}
+
+JournalContents survey_journal(const std::filesystem::path& file) {
+  return survey(read_whole(file), file.string());
+}
+
+bool is_journal(const std::filesystem::path& file) {
+  std::error_code code;
+  if (!std::filesystem::is_regular_file(file, code)) return false;
+  std::uint64_t begin = 0;
+  std::ifstream in(file, std::ios::binary);
+  in.read(reinterpret_cast<char*>(&begin), sizeof begin);
+  return in && begin == magic;
+}
+
+void write_journal(const std::filesystem::path& file, Digest base, const std::vector<Message>& edits) {
+  const inner::FileLock lock = lock_journal(file);
+  AtomicFile out(file);
+  put_journal(out, base, edits);
   out.commit();
+}
+
+bool make_journal(const std::filesystem::path& file, Digest base, const std::vector<Message>& edits) {
+  std::error_code missing;
+  const auto has_bytes = [&] { return std::filesystem::file_size(file, missing) > 0 && !missing; };
+  if (has_bytes()) return false;
+  const inner::FileLock lock = lock_journal(file);
+  if (has_bytes()) return false;  // another made it meanwhile
+  AtomicFile out(file);
+  put_journal(out, base, edits);
+  if (missing) return out.commit_new();
+  out.commit();
+  return true;
 }
 
 JournalWriter::JournalWriter(std::filesystem::path file, const JournalContents& contents)
     : file_(std::move(file)),
       base_(contents.base),
       bytes_(contents.bytes),
-      count_(static_cast<std::uint32_t>(contents.edits.size())) {
-  fd_ = ::open(file_.c_str(), O_WRONLY | O_CLOEXEC);
-  if (fd_ >= 0 && cut()) return;
-  const int error = errno;
-  if (fd_ >= 0) ::close(fd_);
-  fail(ErrorKind::output, "cannot append to {}: {}; check the permissions of the file and its folder",
-       file_.string(), std::strerror(error));
+      count_(static_cast<std::uint32_t>(contents.edits.size())),
+      torn_(contents.torn > 0) {
+  const auto give_up = [&](const char* what, const char* remedy) {
+    if (fd_ >= 0) ::close(fd_);
+    fail(ErrorKind::output, "cannot append to {}: {}; {}", file_.string(), what, remedy);
+  };
+  fd_ = ::open(file_.c_str(), O_RDWR | O_CLOEXEC);
+  if (fd_ < 0) give_up(std::strerror(errno), "check the permissions of the file and its folder");
+  if (inner::try_lock(fd_) == inner::Locked::no)
+    give_up("another program records in it", "end that first, or record in another file");
+  const off_t end = ::lseek(fd_, 0, SEEK_END);
+  if (end < 0) give_up(std::strerror(errno), "record in a plain file");
+  if (static_cast<std::uint64_t>(end) != contents.bytes + contents.torn || !inner::leads_to(file_, fd_))
+    give_up("it was changed while it was read", "try again");
 }
 
 JournalWriter::JournalWriter(JournalWriter&& other) noexcept
@@ -188,6 +246,10 @@ void JournalWriter::append(std::span<const Message> messages) {
 void JournalWriter::sync() {
   if (::fsync(fd_) != 0 && errno != EINVAL && errno != EROFS)
     fail(ErrorKind::output, "cannot write {}: {}; check the disk", file_.string(), std::strerror(errno));
+}
+
+bool JournalWriter::writes_to(const std::filesystem::path& file) const {
+  return inner::leads_to(file, fd_);
 }
 
 }  // namespace tafoni::runtime

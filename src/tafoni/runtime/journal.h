@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct JournalContents {
   std::vector<Message> edits;
   std::uint64_t bytes = 0;  ///< header and whole edits
   std::uint64_t torn = 0;   ///< bytes after them, of an edit that a crash left unfinished
+  std::string damage;       ///< one sentence, of survey_journal() alone; empty for a sound journal
 };
 
 /// An unfinished last edit is left out and counted: what a file lacks at its end, or zeros there, where a
@@ -35,14 +37,24 @@ struct JournalContents {
 /// names the edit.
 JournalContents parse_journal(std::span<const std::byte> bytes, std::string_view name);
 JournalContents read_journal(const std::filesystem::path& file);
+/// The same, but gives what stands before the first damage, and the damage. Throws Error{input} for what is
+/// no journal, and for a header that is damaged, without which nothing can be believed.
+JournalContents survey_journal(const std::filesystem::path& file);
+/// Whether a file begins as a journal does.
+bool is_journal(const std::filesystem::path& file);
 
-/// Writes a whole journal beside the file and renames it. Throws Error{output}.
+/// Writes a whole journal, or nothing. Throws Error{output}, and for a file that somebody appends to.
 void write_journal(const std::filesystem::path& file, Digest base, const std::vector<Message>& edits);
+/// Makes a journal that begins with the edits where there is none yet, or a file of no bytes. Gives whether
+/// it did.
+bool make_journal(const std::filesystem::path& file, Digest base, const std::vector<Message>& edits);
 
-/// Appends to a journal. For one thread at a time, and one process a file.
+/// Appends to a journal. For one thread at a time. No other program or writer can append to the same file,
+/// or write_journal() to it, as long as it lives.
 class JournalWriter {
  public:
-  /// Goes on after the `contents` that were read from the file, whose torn end is cut off.
+  /// Goes on after the `contents` that were read from the file; a torn end is cut off by the first append.
+  /// Throws Error{output} where another appends to the file, or has since it was read.
   JournalWriter(std::filesystem::path file, const JournalContents& contents);
   ~JournalWriter();
   JournalWriter(JournalWriter&& other) noexcept;
@@ -54,6 +66,8 @@ class JournalWriter {
   void append(std::span<const Message> messages);
   /// Returns when everything appended is on the disk. Throws Error{output}.
   void sync();
+  /// Whether the path is that of the file that it appends to.
+  bool writes_to(const std::filesystem::path& file) const;
 
  private:
   bool cut();  ///< takes off what follows the whole edits

@@ -10,6 +10,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/scene/build/impl/builder.h"
 #include "tafoni/scene/layers/layer.h"
+#include "tafoni/scene/sculpt/impl/own_journal.h"
 #include "tafoni/scene/sculpt/impl/sculpt.h"
 #include "tafoni/scene/sculpt/impl/stroke_files.h"
 
@@ -68,18 +69,44 @@ struct Session::State {
     return out;
   }
 
-  /// A name beside the scene that is free, or that of a journal without strokes, as a crash may leave one.
-  std::string new_journal_name(const Layer& layer) const {
-    for (int n = 1;; ++n) {
-      const std::string name = fmt::format("{}.{}{}.journal", file.stem().string(), shown_name(layer),
-                                           n > 1 ? fmt::format("-{}", n) : "");
-      const bool used = std::any_of(document.layers.begin(), document.layers.end(), [&](const Layer& other) {
-        return impl::stroke_files(other).journal == name;
-      });
-      const fs::path path = file.parent_path() / name;
-      std::error_code code;
-      if (!used && (!fs::exists(path, code) || Journal::open(path).history().empty())) return name;
+  /// Whether a change of the layer's journal would be one of somebody else's.
+  bool borrows(std::size_t index, const Journal& journal) const {
+    return !file.empty() && (impl::other_scene(journal, file) || impl::is_shared(document, index));
+  }
+
+  /// The journal of a layer for changing it, its own; null for a layer without one.
+  Journal* own_journal(std::size_t index) {
+    Journal* there = journal(document.layers[index]);
+    if (!there || !borrows(index, *there)) {
+      if (there && !file.empty()) there->set_scene(impl::scene_from(*there, file));
+      return there;
     }
+    return give_journal(index);
+  }
+
+  /// Gives a layer a journal of its own, with the strokes of the one that it names, and saves the scene. What
+  /// other processes do meanwhile waits, and what they did before is taken over.
+  Journal* give_journal(std::size_t index) {
+    if (file.empty())
+      fail(ErrorKind::usage,
+           "the scene has no file yet, beside which strokes could be kept; save it under a name first");
+    const inner::FileLock lock = impl::lock_scene(file);
+    impl::take_over(document, index, file);
+    Journal* there = journal(document.layers[index]);
+    if (there && !borrows(index, *there)) return there;
+    if (there) there->refresh();
+    Document changed = document;
+    const fs::path path = impl::make_journal(changed, index, file, there);
+    try {
+      save_scene(changed, file);
+    } catch (...) {
+      std::error_code ignored;
+      fs::remove(path, ignored);
+      throw;
+    }
+    document = load_scene(file);
+    const fs::path named = document.resolve(impl::stroke_files(document.layers[index]).journal);
+    return &journals.insert_or_assign(named, Journal::open(named)).first->second;
   }
 };
 
@@ -159,6 +186,9 @@ void Session::reseed_layer(std::size_t layer, std::int64_t seed) {
 void Session::save() {
   State& s = *state_;
   if (s.file.empty()) fail(ErrorKind::usage, "the scene has no file yet; save it under a name first");
+  const inner::FileLock lock = impl::lock_scene(s.file);
+  if (const auto now = impl::changed_by_others(s.document, s.file); now && !same(*now, s.document))
+    impl::fail_changed(s.file);
   save_scene(s.document, s.file);
   s.document = load_scene(s.file);
 }
@@ -189,7 +219,7 @@ std::vector<Journal::Entry> Session::strokes(std::size_t layer) {
 
 void Session::stroke(std::size_t layer, std::span<const Stroke> strokes) {
   State& s = *state_;
-  const Layer& l = s.sculpt(layer);
+  s.sculpt(layer);
   if (strokes.empty()) return;
   // A stroke that cannot be cooked must not reach the journal, where it would stop every build.
   impl::SculptFrame frame;
@@ -199,33 +229,28 @@ void Session::stroke(std::size_t layer, std::span<const Stroke> strokes) {
     const impl::Slot slot{std::make_shared<Stroke>(parse_stroke(to_text(stroke), "stroke")), false};
     trial.cook({&slot, 1}, frame);
   }
-  Journal* journal = s.journal(l);
-  if (!journal) {
-    if (s.file.empty())
-      fail(ErrorKind::usage,
-           "the scene has no file yet, beside which strokes could be kept; save it under a name first");
-    const std::string name = s.new_journal_name(l);
-    const fs::path path = s.file.parent_path() / name;
-    Journal made = Journal::open_or_create(path);
-    Document document = s.document;
-    const fs::path relative =
-        document.resolve(name) == path.lexically_normal() ? fs::path(name) : fs::absolute(path);
-    impl::set_journal(document.layers[layer], relative.string());
-    save_scene(document, s.file);
-    s.document = load_scene(s.file);
-    journal =
-        &s.journals.insert_or_assign(s.document.resolve(relative.string()), std::move(made)).first->second;
-  }
+  Journal* journal = s.own_journal(layer);
+  if (!journal) journal = s.give_journal(layer);
   journal->append(strokes);
 }
 
+std::optional<fs::path> Session::borrowed_from(std::size_t layer) {
+  State& s = *state_;
+  const Journal* journal = s.journal(s.sculpt(layer));
+  if (!journal || s.file.empty()) return {};
+  if (auto other = impl::other_scene(*journal, s.file)) return other;
+  return impl::is_shared(s.document, layer) ? std::optional(s.file) : std::nullopt;
+}
+
 std::size_t Session::undo(std::size_t layer, std::size_t steps) {
-  Journal* journal = state_->journal(state_->sculpt(layer));
+  state_->sculpt(layer);
+  Journal* journal = state_->own_journal(layer);
   return journal ? journal->undo(steps) : 0;
 }
 
 std::size_t Session::redo(std::size_t layer, std::size_t steps) {
-  Journal* journal = state_->journal(state_->sculpt(layer));
+  state_->sculpt(layer);
+  Journal* journal = state_->own_journal(layer);
   return journal ? journal->redo(steps) : 0;
 }
 
@@ -235,7 +260,8 @@ std::size_t Session::redoable(std::size_t layer) {
 }
 
 void Session::go_to(std::size_t layer, std::int64_t id) {
-  Journal* journal = state_->journal(state_->sculpt(layer));
+  state_->sculpt(layer);
+  Journal* journal = state_->own_journal(layer);
   if (!journal) fail(ErrorKind::usage, "the layer has no stroke {}", id);
   journal->go_to(id);
 }
@@ -246,7 +272,8 @@ std::vector<Journal::Entry> Session::history(std::size_t layer) {
 }
 
 void Session::mute_stroke(std::size_t layer, std::int64_t id, bool muted) {
-  Journal* journal = state_->journal(state_->sculpt(layer));
+  state_->sculpt(layer);
+  Journal* journal = state_->own_journal(layer);
   if (!journal) fail(ErrorKind::usage, "the layer has no stroke {}", id);
   journal->mute(id, muted);
 }

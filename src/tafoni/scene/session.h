@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -58,7 +59,8 @@ class Session {
   void mute_layer(std::size_t layer, bool muted);
   /// -1: made from the scene's seed, as layer_seed() says.
   void reseed_layer(std::size_t layer, std::int64_t seed);
-  /// Writes the document to file(), comments and all.
+  /// Writes the document to file(), comments and all. Throws Error{output} where another program changed the
+  /// file since it was read.
   void save();
 
   /// The sculpt layer of a name, or the last one where `name` is empty; made at the end where there is none.
@@ -67,9 +69,14 @@ class Session {
   /// Those of the layer's text file have the id 0 and can be neither undone nor muted.
   std::vector<Journal::Entry> strokes(std::size_t layer);
   /// Checks all, then stores and applies all in one step of the disk. The first stroke of a layer makes its
-  /// journal and saves the document, which names it.
+  /// journal and saves the document, which names it; so does the first change of strokes that are
+  /// borrowed_from() elsewhere. Throws Error{output} where other programs changed the scene file in another
+  /// way since.
   void stroke(std::size_t layer, std::span<const Stroke> strokes);
   void stroke(std::size_t layer, const Stroke& one) { stroke(layer, {&one, 1}); }
+  /// The scene file whose journal the layer names where that is another's, as after the file was copied, or
+  /// where another layer names it too. The first change makes a copy for this layer.
+  std::optional<std::filesystem::path> borrowed_from(std::size_t layer);
   /// How many strokes went or came back.
   std::size_t undo(std::size_t layer, std::size_t steps = 1);
   std::size_t redo(std::size_t layer, std::size_t steps = 1);

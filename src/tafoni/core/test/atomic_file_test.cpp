@@ -6,8 +6,12 @@
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/files.h"
+#include "tafoni/core/impl/left_over.h"
 #include "tafoni/core/test/test_folder.h"
 
 namespace tafoni {
@@ -47,7 +51,8 @@ TEST_F(AtomicFileTest, AppearsOnCommitOnly) {
     AtomicFile file(target);
     file.write("hello");
     EXPECT_FALSE(fs::exists(target));
-    EXPECT_EQ(file.path().extension(), ".glb");
+    EXPECT_EQ(files(), 0u);
+    EXPECT_EQ(std::ofstream(file.path()).good(), true);
     file.commit();
   }
   EXPECT_EQ(content(target), "hello");
@@ -90,6 +95,85 @@ TEST_F(AtomicFileTest, KeepsTheModeAndTheLink) {
   EXPECT_TRUE(fs::is_symlink(link));
   EXPECT_EQ(content(real), "new");
   EXPECT_EQ(fs::status(real).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+TEST_F(AtomicFileTest, ALinkThatLeadsNowhereMakesWhatItNames) {
+  const fs::path link = folder_ / "link.txt";
+  fs::create_symlink("real.txt", link);
+  AtomicFile file(link);
+  file.write("new");
+  file.commit();
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(content(folder_ / "real.txt"), "new");
+  fs::create_symlink("b", folder_ / "a");
+  fs::create_symlink("a", folder_ / "b");
+  EXPECT_THROW(AtomicFile(folder_ / "a"), Error);
+}
+
+TEST_F(AtomicFileTest, TakesTheLongestNameThereIs) {
+  const fs::path target = folder_ / (std::string(251, 'n') + ".glb");
+  for (const char* text : {"first", "second"}) {
+    AtomicFile file(target);
+    file.write(text);
+    file.commit();
+    EXPECT_EQ(content(target), text);
+  }
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(AtomicFileTest, ANewOneReplacesNothing) {
+  const fs::path target = folder_ / "a.txt";
+  AtomicFile first(target), second(target);
+  first.write("first");
+  second.write("second");
+  EXPECT_TRUE(first.commit_new());
+  EXPECT_FALSE(second.commit_new());
+  EXPECT_EQ(content(target), "first");
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(AtomicFileTest, WhatAKilledProcessLeftIsRemovedAndNothingElse) {
+  // Both kinds have names, and are the only ones that a kill can leave.
+  const auto make_and_wait = [&](const fs::path& folder, int fd) {
+    const TemporaryFolder made(folder);
+    std::ofstream(made.path() / "tile.glb") << "half";
+    fs::path name;
+    impl::make_temporary_file(folder, name);
+    (void)!::write(fd, "x", 1);
+    ::pause();
+  };
+  const auto child = [&](const fs::path& folder) {
+    int ready[2];
+    EXPECT_EQ(::pipe(ready), 0);
+    const pid_t made = ::fork();
+    if (made == 0) {
+      make_and_wait(folder, ready[1]);
+      ::_exit(0);
+    }
+    char x;
+    EXPECT_EQ(::read(ready[0], &x, 1), 1);
+    ::close(ready[0]);
+    ::close(ready[1]);
+    return made;
+  };
+  std::ofstream(folder_ / ".tafoni-notes.part") << "a user's";
+  const pid_t dead = child(folder_);
+  ::kill(dead, SIGKILL);
+  ::waitpid(dead, nullptr, 0);
+  const pid_t alive = child(folder_);
+  // The living one removed what the dead one left when it began.
+  EXPECT_EQ(files(), 3u);
+  const pid_t writer = ::fork();
+  if (writer == 0) {
+    AtomicFile(folder_ / "a.txt").commit();
+    ::_exit(0);
+  }
+  ::waitpid(writer, nullptr, 0);
+  EXPECT_EQ(files(), 4u) << "what a living process holds stays";
+  ::kill(alive, SIGKILL);
+  ::waitpid(alive, nullptr, 0);
+  AtomicFile(folder_ / "a.txt").commit();
+  EXPECT_EQ(files(), 2u);
 }
 
 TEST_F(AtomicFileTest, RefusesInOneSentence) {

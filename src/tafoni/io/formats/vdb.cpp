@@ -188,7 +188,7 @@ class Archive : public openvdb::io::Archive {
 };
 
 void write(AtomicFile& out, const Volume& volume, Progress& progress) {
-  guard(ErrorKind::output, out.path().string(), [&] {
+  guard(ErrorKind::output, out.target().string(), [&] {
     const FloatGrid::Ptr grid = to_vdb(volume, progress);
     openvdb::MetaMap meta;
     const MeshMetadata& metadata = volume.metadata;

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "tafoni/core/error.h"
@@ -160,6 +161,88 @@ TEST_F(EditJournal, RecordsCannotBeMovedOrMixed) {
   EXPECT_THAT(error_of([&] { read_journal(file); }), ::testing::HasSubstr("edit 1 is damaged"));
   set_bytes(other_head + one.substr(32));
   EXPECT_THAT(error_of([&] { read_journal(file); }), ::testing::HasSubstr("edit 1 is damaged"));
+}
+
+TEST_F(EditJournal, WhatStandsBeforeADamageCanBeHad) {
+  const auto all = messages(20);
+  write_journal(file, base, {});
+  std::vector<std::size_t> ends{bytes().size()};
+  for (std::size_t n = 1; n <= all.size(); ++n) {
+    write_journal(file, base, {all.begin(), all.begin() + static_cast<long>(n)});
+    ends.push_back(bytes().size());
+  }
+  const std::string full = bytes();
+  EXPECT_TRUE(is_journal(file));
+  EXPECT_EQ(survey_journal(file).damage, "");
+  for (std::size_t at = ends[0]; at < full.size(); at += 7) {
+    std::string bad = full;
+    bad[at] = static_cast<char>(bad[at] ^ 0x40);
+    set_bytes(bad);
+    std::size_t n = 0;
+    while (ends[n + 1] <= at) ++n;
+    const JournalContents contents = survey_journal(file);
+    EXPECT_THAT(contents.damage, testing::HasSubstr("edit " + std::to_string(n + 1) + " is damaged"));
+    const fs::path saved = root / "saved.edits";
+    fs::remove(saved);
+    ASSERT_TRUE(make_journal(saved, contents.base, contents.edits));
+    EXPECT_FALSE(make_journal(saved, contents.base, contents.edits));
+    EXPECT_EQ(read_journal(saved).edits,
+              std::vector<Message>(all.begin(), all.begin() + static_cast<long>(n)));
+  }
+}
+
+TEST_F(EditJournal, HasOneWriterAtATime) {
+  const auto all = messages(4);
+  write_journal(file, base, {all[0]});
+  const JournalContents early = read_journal(file);
+  {
+    JournalWriter writer(file, read_journal(file));
+    EXPECT_THAT(error_of([&] { JournalWriter(file, read_journal(file)); }),
+                ::testing::HasSubstr("another program records in it"));
+    EXPECT_THAT(error_of([&] { write_journal(file, base, {}); }),
+                ::testing::HasSubstr("a program records in it"));
+    fs::create_symlink(file, root / "link");
+    EXPECT_THAT(error_of([&] { write_journal(root / "link", base, {}); }),
+                ::testing::HasSubstr("a program records in it"));
+    writer.append({&all[1], 1});
+    EXPECT_EQ(read_journal(file).edits.size(), 2u);
+  }
+  // What was read before another wrote is not gone on with.
+  EXPECT_THAT(error_of([&] { JournalWriter(file, early); }), ::testing::HasSubstr("was changed"));
+  JournalWriter(file, read_journal(file)).append({&all[2], 1});
+  EXPECT_EQ(read_journal(file).edits, std::vector<Message>(all.begin(), all.begin() + 3));
+}
+
+TEST_F(EditJournal, OfProgramsThatBeginAtOnceOneRecordsAndTheOthersAreTold) {
+  const auto all = messages(5);
+  std::vector<pid_t> children;
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  for (int i = 0; i < 6; ++i) {
+    children.push_back(::fork());
+    if (children.back() != 0) continue;
+    ::close(ends[1]);
+    const std::string what = error_of([&] {
+      make_journal(file, base, {});
+      JournalWriter writer(file, read_journal(file));
+      writer.append(all);
+      char x;
+      (void)!::read(ends[0], &x, 1);  // it does not end, and free the file, before all have tried
+    });
+    ::_exit(what.empty() ? 0 : what.find("records in it") == std::string::npos ? 2 : 1);
+  }
+  ::close(ends[0]);
+  ::usleep(300000);
+  ::close(ends[1]);
+  int recorded = 0;
+  for (const pid_t child : children) {
+    int status = -1;
+    ::waitpid(child, &status, 0);
+    EXPECT_NE(WEXITSTATUS(status), 2);
+    recorded += WEXITSTATUS(status) == 0;
+  }
+  EXPECT_EQ(recorded, 1);
+  EXPECT_EQ(read_journal(file).edits.size(), 5u);
 }
 
 TEST_F(EditJournal, OtherFilesAreRefused) {

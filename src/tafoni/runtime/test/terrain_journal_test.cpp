@@ -178,5 +178,23 @@ TEST_F(TerrainJournal, AFullDiskRefusesTheEdit) {
   expect_same(again, terrain);
 }
 
+TEST_F(TerrainJournal, TwoTerrainsNeverRecordInOneFile) {
+  DestructibleTerrain one = hills({}), other = hills({});
+  std::ofstream(file).flush();  // no bytes are no journal yet
+  one.record(file);
+  one.explode({0, 0, 0}, 3, 5);
+  EXPECT_THAT(failure([&] { other.record(file); }), HasSubstr("another program records in it"));
+  EXPECT_THAT(failure([&] { other.save(file); }), HasSubstr("a program records in it"));
+  one.save(file);
+  one.record(file);
+  other.replay(file);
+  one.explode({4, 0, 0}, 3, 5);
+  EXPECT_EQ(read_journal(file).edits, one.edits_since(1));
+  // One that was taken away is saved anew.
+  fs::remove(file);
+  one.save(file);
+  EXPECT_EQ(read_journal(file).edits, one.edits_since(1));
+}
+
 }  // namespace
 }  // namespace tafoni::runtime

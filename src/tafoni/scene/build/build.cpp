@@ -58,7 +58,10 @@ std::optional<double> sea_level(const Document& document) {
 }
 
 BuiltScene build(const Document& document, Progress& progress) {
-  return *impl::Builder().build(document, &impl::slots_of, progress).scene;
+  const auto slots = [&](const Document& d, const Layer& layer) {
+    return impl::slots_of(d, layer, progress);
+  };
+  return *impl::Builder().build(document, slots, progress).scene;
 }
 
 std::string_view version() {

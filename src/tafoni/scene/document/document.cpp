@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/files.h"
 #include "tafoni/io/csv.h"
 #include "tafoni/scene/document/impl/types.h"
 #include "tafoni/scene/layers/layer.h"
@@ -287,7 +288,9 @@ void set(Document& document, std::string_view assignment) {
 }
 
 Document load_scene(const std::filesystem::path& file) {
-  return parse_scene(io::read_text(file, std::uint64_t{1} << 26), file);
+  Document document = parse_scene(io::read_text(file, std::uint64_t{1} << 26), file);
+  document.directory = follow_links(file).parent_path();
+  return document;
 }
 
 }  // namespace tafoni::scene

@@ -105,12 +105,13 @@ bool same(const Document& a, const Document& b);
 /// Reads a document. `file` is for messages and gives the directory; no file is opened. Throws Error{input}:
 /// "FILE:LINE: KEY …" with the allowed range or the nearest known key.
 Document parse_scene(std::string_view text, const std::filesystem::path& file);
+/// The same of a file. Where that is a link, paths are relative to what it leads to.
 Document load_scene(const std::filesystem::path& file);
 
 /// The document as TOML: `document.text` with only what changed edited, so that comments stay; a new text
 /// where there is none or where an edit would not read back as the same document.
 std::string to_text(const Document& document);
-/// Writes it, with paths relative to the new file, beside it and renamed. Throws Error{output}.
+/// Writes it whole or not at all, with paths relative to the new file. Throws Error{output}.
 void save_scene(const Document& document, const std::filesystem::path& file);
 
 /// `--set TARGET.NAME=TEXT`: the target is scene, terrain, or the name or type of a layer or of a geology,

@@ -9,6 +9,7 @@
 
 #include "tafoni/core/atomic_file.h"
 #include "tafoni/core/error.h"
+#include "tafoni/core/files.h"
 #include "tafoni/scene/document/document.h"
 #include "tafoni/scene/document/impl/toml_lines.h"
 #include "tafoni/scene/document/impl/types.h"
@@ -316,7 +317,7 @@ std::string to_text(const Document& document) {
 
 void save_scene(const Document& document, const std::filesystem::path& file) {
   Document moved = document;
-  const auto directory = std::filesystem::absolute(file).lexically_normal().parent_path();
+  const auto directory = std::filesystem::absolute(follow_links(file)).lexically_normal().parent_path();
   rebase(moved.terrain.source, document, directory);
   rebase(moved.terrain.domain, document, directory);
   for (Layer& layer : moved.layers)

@@ -7,113 +7,77 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 
 #include <sqlite3.h>
 
+#include "tafoni/core/atomic_file.h"
 #include "tafoni/core/error.h"
 #include "tafoni/scene/sculpt/impl/database.h"
+#include "tafoni/scene/sculpt/impl/journal_tables.h"
 
 namespace tafoni::scene {
 namespace {
 
-using impl::fail_sqlite;
+using impl::JournalRow;
 using impl::pragma;
 using impl::Query;
 using impl::Transaction;
 
-constexpr std::int64_t application_id = 0x7461666f;  // "tafo"
-constexpr std::int64_t schema_version = 1;
 constexpr int lock_wait_ms = 5000;
-
-// A stroke points to the one before it, and to the one that redo goes to from it. Row 0 is the empty
-// beginning.
-constexpr const char* schema = R"(
-create table stroke (
-  id integer primary key autoincrement,
-  before integer not null,
-  after integer not null default 0,
-  muted integer not null default 0,
-  text text not null
-);
-create table state (head integer not null);
-insert into stroke (id, before, text) values (0, 0, '');
-insert into state (head) values (0);
-)";
-
-struct Row {
-  std::int64_t before = 0, after = 0;
-  bool muted = false;
-  std::shared_ptr<const Stroke> stroke;
-};
 
 }  // namespace
 
 struct Journal::State : impl::Database {
   std::filesystem::path file;
-  std::unordered_map<std::int64_t, Row> rows;
-  std::int64_t head = 0;
+  impl::JournalTables tables;
   std::int64_t seen = -1;      ///< data_version at the last load
   std::vector<Entry> applied;  ///< ids ascend
   /// Rows as they were before the change that is under way.
-  std::vector<std::pair<std::int64_t, std::optional<Row>>> former;
+  std::vector<std::pair<std::int64_t, std::optional<JournalRow>>> former;
 };
 
 namespace {
 
+Journal::Entry entry_of(std::int64_t id, const JournalRow& row) {
+  return {id, row.stroke, row.muted, row.before};
+}
+
 /// Brings `applied` in line with the head. What stands before a stroke never changes, so that only the way
 /// from the last common stroke is walked.
-template <class State>
-void follow(State& state) {
+void follow(const impl::JournalTables& tables, std::vector<Journal::Entry>& applied) {
   std::vector<Journal::Entry> added;
   std::size_t kept = 0;
-  for (std::int64_t id = state.head; id != 0;) {
-    const auto at = std::lower_bound(state.applied.begin(), state.applied.end(), id,
+  for (std::int64_t id = tables.head; id != 0;) {
+    const auto at = std::lower_bound(applied.begin(), applied.end(), id,
                                      [](const Journal::Entry& e, std::int64_t v) { return e.id < v; });
-    if (at != state.applied.end() && at->id == id) {
-      kept = at - state.applied.begin() + 1;
+    if (at != applied.end() && at->id == id) {
+      kept = at - applied.begin() + 1;
       break;
     }
-    const auto found = state.rows.find(id);
-    // An id is larger than the one before it: a chain that is not so would never end.
-    if (found == state.rows.end() || found->second.before >= id)
-      fail_sqlite(state.name, SQLITE_CORRUPT, fmt::format("stroke {} is missing", id));
-    added.push_back({id, found->second.stroke, found->second.muted});
-    id = found->second.before;
+    added.push_back(entry_of(id, tables.rows.at(id)));
+    id = added.back().before;
   }
-  state.applied.resize(kept);
-  state.applied.insert(state.applied.end(), added.rbegin(), added.rend());
+  applied.resize(kept);
+  applied.insert(applied.end(), added.rbegin(), added.rend());
+}
+
+std::vector<Journal::Entry> history_of(const impl::JournalTables& tables) {
+  std::vector<Journal::Entry> out;
+  for (const auto& [id, row] : tables.rows)
+    if (id != 0) out.push_back(entry_of(id, row));
+  return out;
 }
 
 /// To be called within a transaction.
 template <class State>
 void load(State& state) {
-  std::unordered_map<std::int64_t, Row> rows;
-  Query query(state, "select id, before, after, muted, text from stroke");
-  while (query.step()) {
-    Row row{query.integer(1), query.integer(2), query.integer(3) != 0, nullptr};
-    const std::int64_t id = query.integer(0);
-    if (id != 0) {
-      const std::string where = fmt::format("{}: stroke {}", state.name, id);
-      const auto known = state.rows.find(id);
-      try {
-        row.stroke = known != state.rows.end() ? known->second.stroke
-                                               : std::make_shared<Stroke>(parse_stroke(query.text(4), where));
-      } catch (const Error& error) {
-        const std::string_view what = error.what();
-        if (what.starts_with(where)) throw Error(ErrorKind::input, error.what());
-        fail(ErrorKind::input, "{}: {}", where, what);
-      }
-    }
-    rows.emplace(id, std::move(row));
-  }
-  Query head(state, "select head from state");
-  if (!rows.contains(0) || !head.step()) fail_sqlite(state.name, SQLITE_CORRUPT, "its beginning is missing");
-  state.rows = std::move(rows);
-  state.head = head.integer(0);
+  impl::JournalTables tables;
+  if (const std::string damage = impl::read_tables(state, state.tables.rows, tables); !damage.empty())
+    throw Error(ErrorKind::input, damage);
+  state.tables = std::move(tables);
   state.applied.clear();
   state.seen = pragma(state, "pragma data_version");
-  follow(state);
+  follow(state.tables, state.applied);
 }
 
 /// Under a lock of its own: another process may append between two queries.
@@ -124,30 +88,20 @@ void load_alone(State& state) {
   transaction.commit();
 }
 
-/// Makes the tables of a new file; of two processes that do so at once, one finds it done.
+/// A process that was killed while it began to write leaves a file of SQLite's beside the journal, with
+/// nothing to be rolled back in it. A change that changes nothing takes it away.
 template <class State>
-void prepare(State& state, bool create) {
-  const auto fresh = [&] {
-    return pragma(state, "pragma application_id") == 0 && pragma(state, "pragma schema_version") == 0;
-  };
-  if (create && fresh()) {
+void clear_left_over(const State& state) {
+  std::error_code code;
+  if (!std::filesystem::exists(state.name + "-journal", code) || impl::is_unmade(state)) return;
+  sqlite3_busy_timeout(state.db, 0);
+  try {
     Transaction transaction(state);
-    if (fresh()) {
-      state.run(schema);
-      state.run(
-          fmt::format("pragma application_id = {}; pragma user_version = {}", application_id, schema_version)
-              .c_str());
-    }
+    state.run(fmt::format("pragma user_version = {}", pragma(state, "pragma user_version")).c_str());
     transaction.commit();
+  } catch (const Error&) {  // it is in use, or may not be written
   }
-  if (pragma(state, "pragma application_id") != application_id) fail_sqlite(state.name, SQLITE_NOTADB, "");
-  const std::int64_t version = pragma(state, "pragma user_version");
-  if (version != schema_version)
-    fail(ErrorKind::input,
-         "{}: is a journal of version {}, and this program knows version {}; use a newer one", state.name,
-         version, schema_version);
-  Query sound(state, "pragma quick_check(1)");
-  if (!sound.step() || sound.text(0) != "ok") fail_sqlite(state.name, SQLITE_CORRUPT, sound.text(0));
+  sqlite3_busy_timeout(state.db, lock_wait_ms);
 }
 
 }  // namespace
@@ -159,62 +113,34 @@ Journal& Journal::operator=(Journal&&) noexcept = default;
 
 namespace {
 
-template <class State>
-void open_state(State& state, const std::filesystem::path& file, bool create) {
-  state.file = file;
-  state.name = file.string();
-  std::error_code code;
-  const bool there = std::filesystem::exists(file, code);
-  if (!there && !create)
-    fail(ErrorKind::input, "{}: does not exist; make it with tafoni sculpt, or check the layer's journal key",
-         state.name);
-  if (std::filesystem::is_directory(file, code))
-    fail(ErrorKind::input, "{}: is a folder, no sculpt journal", state.name);
-  // Reading may have to roll back what a killed process left, so it asks for write access too; SQLite falls
-  // back to reading alone where the file or the disk forbids writing.
-  const int flags = SQLITE_OPEN_READWRITE | (create ? SQLITE_OPEN_CREATE : 0);
-  int opened = sqlite3_open_v2(state.name.c_str(), &state.db, flags, nullptr);
-  if (opened != SQLITE_OK && there) {
-    sqlite3_close(state.db);
-    state.db = nullptr;
-    opened = sqlite3_open_v2(state.name.c_str(), &state.db, SQLITE_OPEN_READONLY, nullptr);
-  }
-  state.check(opened);
-  sqlite3_extended_result_codes(state.db, 1);
-  sqlite3_busy_timeout(state.db, lock_wait_ms);
-  // EXTRA also syncs the folder, so that a finished stroke outlives a power cut.
-  state.run("pragma synchronous = extra; pragma trusted_schema = off; pragma cell_size_check = on");
-  prepare(state, create);
-  load_alone(state);
-}
-
 /// Takes the lock, takes over what others did, lets `change` work on the tables, and commits.
 template <class State, class F>
 auto change_tables(State& state, F&& change) -> decltype(change()) {
   Transaction transaction(state);
   if (pragma(state, "pragma data_version") != state.seen) load(state);
-  const auto head = state.head;
+  if (impl::is_unmade(state)) impl::make_tables(state);
+  const auto head = state.tables.head;
   state.former.clear();
   try {
     const auto result = change();
     transaction.commit();
-    follow(state);
+    follow(state.tables, state.applied);
     return result;
   } catch (...) {
     for (auto at = state.former.rbegin(); at != state.former.rend(); ++at) {
       if (at->second)
-        state.rows.at(at->first) = *at->second;
+        state.tables.rows.at(at->first) = *at->second;
       else
-        state.rows.erase(at->first);
+        state.tables.rows.erase(at->first);
     }
-    state.head = head;
+    state.tables.head = head;
     throw;
   }
 }
 
 template <class State>
-Row& touch(State& state, std::int64_t id) {
-  Row& row = state.rows.at(id);
+JournalRow& touch(State& state, std::int64_t id) {
+  JournalRow& row = state.tables.rows.at(id);
   state.former.emplace_back(id, row);
   return row;
 }
@@ -222,28 +148,53 @@ Row& touch(State& state, std::int64_t id) {
 template <class State>
 void set_head(State& state, std::int64_t head) {
   Query(state, "update state set head = ?").bind(1, head).once();
-  state.head = head;
+  state.tables.head = head;
 }
 
 template <class State>
 void set_after(State& state, std::int64_t id, std::int64_t after) {
-  if (state.rows.at(id).after == after) return;
+  if (state.tables.rows.at(id).after == after) return;
   Query(state, "update stroke set after = ? where id = ?").bind(1, after).bind(2, id).once();
   touch(state, id).after = after;
+}
+
+/// A file of no bytes stands for nothing and gives way. Not so one of SQLite's beside the name: it would be
+/// taken for the new journal's, and rolled back into it.
+bool write_new(const std::filesystem::path& file, const impl::JournalTables& tables) {
+  std::error_code code;
+  const auto size = std::filesystem::file_size(file, code);
+  const bool replaces = !code && size == 0;
+  if (replaces) Journal::open(file);  // SQLite removes what it left with it
+  if (std::filesystem::exists(file.string() + "-journal", code)) return false;
+  AtomicFile out(file);
+  out.write(impl::bytes_of(tables));
+  if (!replaces) return out.commit_new();
+  out.commit();
+  return true;
 }
 
 }  // namespace
 
 Journal Journal::open(const std::filesystem::path& file) {
   auto state = std::make_unique<State>();
-  open_state(*state, file, false);
+  state->file = file;
+  state->open(file, lock_wait_ms);
+  load_alone(*state);
+  clear_left_over(*state);
   return Journal(std::move(state));
 }
 
 Journal Journal::open_or_create(const std::filesystem::path& file) {
-  auto state = std::make_unique<State>();
-  open_state(*state, file, true);
-  return Journal(std::move(state));
+  std::error_code code;
+  if (!std::filesystem::exists(file, code)) make(file);
+  return open(file);
+}
+
+bool Journal::make(const std::filesystem::path& file, const std::string& scene, const Journal* from) {
+  impl::JournalTables tables;
+  if (from) tables = from->state_->tables;
+  tables.scene = scene;
+  return write_new(file, tables);
 }
 
 const std::filesystem::path& Journal::file() const {
@@ -255,18 +206,14 @@ const std::vector<Journal::Entry>& Journal::strokes() const {
 }
 
 std::size_t Journal::redoable() const {
+  const impl::JournalRows& rows = state_->tables.rows;
   std::size_t steps = 0;
-  for (std::int64_t id = state_->rows.at(state_->head).after; id != 0; id = state_->rows.at(id).after)
-    ++steps;
+  for (std::int64_t id = rows.at(state_->tables.head).after; id != 0; id = rows.at(id).after) ++steps;
   return steps;
 }
 
 std::vector<Journal::Entry> Journal::history() const {
-  std::vector<Entry> out;
-  for (const auto& [id, row] : state_->rows)
-    if (id != 0) out.push_back({id, row.stroke, row.muted});
-  std::sort(out.begin(), out.end(), [](const Entry& a, const Entry& b) { return a.id < b.id; });
-  return out;
+  return history_of(state_->tables);
 }
 
 std::int64_t Journal::append(std::span<const Stroke> strokes) {
@@ -274,15 +221,16 @@ std::int64_t Journal::append(std::span<const Stroke> strokes) {
   return change_tables(s, [&] {
     Query insert(s, "insert into stroke (before, text) values (?, ?)");
     for (const Stroke& stroke : strokes) {
-      insert.bind(1, s.head).bind(2, to_text(stroke)).once();
+      const std::int64_t head = s.tables.head;
+      insert.bind(1, head).bind(2, to_text(stroke)).once();
       const std::int64_t id = sqlite3_last_insert_rowid(s.db);
       s.former.emplace_back(id, std::nullopt);
-      s.rows.emplace(id, Row{s.head, 0, false, std::make_shared<Stroke>(stroke)});
-      set_after(s, s.head, id);
-      s.head = id;
+      s.tables.rows.emplace(id, JournalRow{head, 0, false, std::make_shared<Stroke>(stroke)});
+      set_after(s, head, id);
+      s.tables.head = id;
     }
-    set_head(s, s.head);
-    return s.head;
+    set_head(s, s.tables.head);
+    return s.tables.head;
   });
 }
 
@@ -290,9 +238,9 @@ std::size_t Journal::undo(std::size_t steps) {
   State& s = *state_;
   return change_tables(s, [&] {
     std::size_t gone = 0;
-    std::int64_t head = s.head;
+    std::int64_t head = s.tables.head;
     for (; gone < steps && head != 0; ++gone) {
-      const std::int64_t before = s.rows.at(head).before;
+      const std::int64_t before = s.tables.rows.at(head).before;
       set_after(s, before, head);
       head = before;
     }
@@ -305,8 +253,8 @@ std::size_t Journal::redo(std::size_t steps) {
   State& s = *state_;
   return change_tables(s, [&] {
     std::size_t gone = 0;
-    std::int64_t head = s.head;
-    for (; gone < steps && s.rows.at(head).after != 0; ++gone) head = s.rows.at(head).after;
+    std::int64_t head = s.tables.head;
+    for (; gone < steps && s.tables.rows.at(head).after != 0; ++gone) head = s.tables.rows.at(head).after;
     if (gone > 0) set_head(s, head);
     return gone;
   });
@@ -315,8 +263,9 @@ std::size_t Journal::redo(std::size_t steps) {
 void Journal::go_to(std::int64_t id) {
   State& s = *state_;
   change_tables(s, [&] {
-    if (!s.rows.contains(id)) fail(ErrorKind::usage, "{}: has no stroke {}", s.name, id);
-    for (std::int64_t at = id; at != 0; at = s.rows.at(at).before) set_after(s, s.rows.at(at).before, at);
+    const impl::JournalRows& rows = s.tables.rows;
+    if (!rows.contains(id)) fail(ErrorKind::usage, "{}: has no stroke {}", s.name, id);
+    for (std::int64_t at = id; at != 0; at = rows.at(at).before) set_after(s, rows.at(at).before, at);
     set_head(s, id);
     return true;
   });
@@ -325,7 +274,7 @@ void Journal::go_to(std::int64_t id) {
 void Journal::mute(std::int64_t id, bool muted) {
   State& s = *state_;
   change_tables(s, [&] {
-    if (id == 0 || !s.rows.contains(id)) fail(ErrorKind::usage, "{}: has no stroke {}", s.name, id);
+    if (id == 0 || !s.tables.rows.contains(id)) fail(ErrorKind::usage, "{}: has no stroke {}", s.name, id);
     Query(s, "update stroke set muted = ? where id = ?").bind(1, std::int64_t{muted}).bind(2, id).once();
     touch(s, id).muted = muted;
     return true;
@@ -338,6 +287,39 @@ bool Journal::refresh() {
   if (pragma(*state_, "pragma data_version") == state_->seen) return false;
   load_alone(*state_);
   return true;
+}
+
+const std::string& Journal::scene() const {
+  return state_->tables.scene;
+}
+
+void Journal::set_scene(const std::string& scene) {
+  State& s = *state_;
+  const std::string before = s.tables.scene;
+  if (scene == before) return;
+  change_tables(s, [&] {
+    if (s.tables.scene == before) impl::set_scene(s, scene);
+    return true;
+  });
+  load_alone(s);
+}
+
+Journal::Remains Journal::salvage(const std::filesystem::path& file, const std::filesystem::path& to) {
+  impl::Database database;
+  database.open(file, lock_wait_ms);
+  impl::JournalTables tables;
+  Remains out;
+  {
+    const Transaction transaction(database, "begin");
+    out.damage = impl::read_tables(database, {}, tables);
+  }
+  out.history = history_of(tables);
+  if (out.history.empty() && !out.damage.empty()) throw Error(ErrorKind::input, out.damage);
+  follow(tables, out.strokes);
+  out.scene = tables.scene;
+  if (!to.empty() && !write_new(to, tables))
+    fail(ErrorKind::usage, "{}: exists already; give a new name to save what stands", to.string());
+  return out;
 }
 
 }  // namespace tafoni::scene

@@ -15,22 +15,28 @@ namespace tafoni::scene {
 /// loses at most the stroke in flight. Undone strokes stay in the file. A stroke after an undo begins a new
 /// branch; redo() goes along the branch last left, and go_to() to any stroke ever made.
 ///
-/// Several processes may use one journal: a change applies to what is on the disk then. Throws Error{input}
-/// for a file that is damaged, no journal, or of a newer version, and Error{output} where it cannot be
-/// written: read-only, locked by another process for longer than five seconds, or the disk full. After an
-/// error the journal is as before.
+/// Several processes may use one journal: a change applies to what is on the disk then. A journal says which
+/// scene's strokes it keeps (sculpt/impl/owner.h). A file of no bytes is one without strokes. Throws
+/// Error{input} for a file that is damaged, no journal, or of a newer version, and Error{output} where it
+/// cannot be written: read-only, locked by another process for longer than five seconds, or the disk full.
+/// After an error the journal is as before.
 class Journal {
  public:
   struct Entry {
     std::int64_t id = 0;  ///< from 1, never used twice
     std::shared_ptr<const Stroke> stroke;
     bool muted = false;
+    std::int64_t before = 0;  ///< the stroke that it was made after
   };
 
   /// Opens a journal that exists, for reading and, where permitted, for writing.
   static Journal open(const std::filesystem::path& file);
   /// The same; made if there is none yet. Throws Error{output} where that cannot be.
   static Journal open_or_create(const std::filesystem::path& file);
+  /// Makes a new one, whole or not at all, with all that `from` holds, undone strokes too; without strokes
+  /// where that is null. Takes the place of a file of no bytes; false where the name is taken by another.
+  static bool make(const std::filesystem::path& file, const std::string& scene = {},
+                   const Journal* from = nullptr);
   ~Journal();
   Journal(Journal&&) noexcept;
   Journal& operator=(Journal&&) noexcept;
@@ -54,6 +60,23 @@ class Journal {
   void mute(std::int64_t id, bool muted);
   /// Takes over what other processes changed; gives whether there was anything.
   bool refresh();
+
+  /// The path, from the journal's folder, of the scene file whose strokes these are; empty where none is
+  /// said.
+  const std::string& scene() const;
+  /// Says so from now on, unless others changed it meanwhile.
+  void set_scene(const std::string& scene);
+
+  /// What can be read of a file, damaged or not.
+  struct Remains {
+    std::vector<Entry> history;  ///< by id, up to the first damage
+    std::vector<Entry> strokes;  ///< those of them that are applied
+    std::string scene;
+    std::string damage;  ///< one sentence; empty for a sound journal
+  };
+  /// Writes what there is to a new journal, unless `to` is empty. Throws Error{usage} where `to` exists, and
+  /// Error{input} for a file of which nothing stands.
+  static Remains salvage(const std::filesystem::path& file, const std::filesystem::path& to = {});
 
  private:
   struct State;

@@ -1,5 +1,7 @@
 #include "tafoni/scene/sculpt/impl/database.h"
 
+#include <utility>
+
 #include "tafoni/core/error.h"
 
 namespace tafoni::scene::impl {
@@ -21,12 +23,36 @@ namespace tafoni::scene::impl {
     case SQLITE_NOTADB:
       fail(ErrorKind::input, "{}: is no sculpt journal; check the layer's journal key", name);
     case SQLITE_CORRUPT:
-      fail(ErrorKind::input, "{}: is damaged ({}); restore it from a copy", name, detail);
+      fail(ErrorKind::input, "{}: is damaged ({}); restore it from a copy, or see tafoni journal", name,
+           detail);
     case SQLITE_CANTOPEN:
       fail(ErrorKind::output, "{}: cannot be opened; check that its folder exists and may be written", name);
     default:
       fail(ErrorKind::input, "{}: {}", name, detail);
   }
+}
+
+void Database::open(const std::filesystem::path& file, int lock_wait_ms) {
+  name = file.string();
+  std::error_code code;
+  if (std::filesystem::is_directory(file, code))
+    fail(ErrorKind::input, "{}: is a folder, no sculpt journal", name);
+  if (!std::filesystem::exists(file, code))
+    fail(ErrorKind::input, "{}: does not exist; make it with tafoni sculpt, or check the layer's journal key",
+         name);
+  if (!std::filesystem::is_regular_file(file, code)) fail_sqlite(name, SQLITE_NOTADB, "");
+  // Reading may have to roll back what a killed process left, so it asks for write access too; SQLite falls
+  // back to reading alone where the file or the disk forbids writing.
+  int opened = sqlite3_open_v2(name.c_str(), &db, SQLITE_OPEN_READWRITE, nullptr);
+  if (opened != SQLITE_OK) {
+    sqlite3_close(std::exchange(db, nullptr));
+    opened = sqlite3_open_v2(name.c_str(), &db, SQLITE_OPEN_READONLY, nullptr);
+  }
+  check(opened);
+  sqlite3_extended_result_codes(db, 1);
+  sqlite3_busy_timeout(db, lock_wait_ms);
+  // EXTRA also syncs the folder, so that a finished stroke outlives a power cut.
+  run("pragma synchronous = extra; pragma trusted_schema = off; pragma cell_size_check = on");
 }
 
 void Database::check(int code) const {

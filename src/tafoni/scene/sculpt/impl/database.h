@@ -2,6 +2,7 @@
 // A thin layer over SQLite: every error is the sentence that the user gets to read.
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 
 #include <sqlite3.h>
@@ -20,6 +21,8 @@ struct Database {
   ~Database() { sqlite3_close(db); }
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
+  /// Opens a file that exists, for reading and, where permitted, for writing; waits that long for others.
+  void open(const std::filesystem::path& file, int lock_wait_ms);
   /// Throws where the code is that of an error.
   void check(int code) const;
   void run(const char* sql) const { check(sqlite3_exec(db, sql, nullptr, nullptr, nullptr)); }

@@ -2,7 +2,10 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "tafoni/io/csv.h"
+#include "tafoni/scene/sculpt/impl/own_journal.h"
 #include "tafoni/scene/sculpt/journal.h"
 
 namespace tafoni::scene::impl {
@@ -30,12 +33,17 @@ std::vector<Slot> read_strokes(const std::filesystem::path& file) {
   return out;
 }
 
-std::vector<Slot> slots_of(const Document& document, const Layer& layer) {
+std::vector<Slot> slots_of(const Document& document, const Layer& layer, Progress& progress) {
   const StrokeFiles files = stroke_files(layer);
   std::vector<Slot> out;
   if (!files.strokes.empty()) out = read_strokes(document.resolve(files.strokes));
   if (!files.journal.empty()) {
     const Journal journal = Journal::open(document.resolve(files.journal));
+    if (const auto other = document.file.empty() ? std::nullopt : other_scene(journal, document.file))
+      progress.warn(
+          fmt::format("{}: its strokes are those of {}, and change with them until a stroke here "
+                      "makes a copy of them",
+                      document.file, other->string()));
     for (const Journal::Entry& entry : journal.strokes()) out.push_back({entry.stroke, entry.muted});
   }
   return out;
