@@ -274,8 +274,7 @@ struct WarpOptions {
 /// A dataset over a grid's own memory.
 DatasetPtr over_memory(raster::Grid<float>& grid, const Transform& transform,
                        const OGRSpatialReference& crs) {
-  DatasetPtr out(GetGDALDriverManager()->GetDriverByName("MEM")->Create("", grid.width(), grid.height(), 0,
-                                                                        GDT_Float32, nullptr));
+  DatasetPtr out(memory_driver().Create("", grid.width(), grid.height(), 0, GDT_Float32, nullptr));
   const std::string pointer = fmt::format("{}", reinterpret_cast<std::uintptr_t>(grid.data()));
   char** options = CSLSetNameValue(nullptr, "DATAPOINTER", pointer.c_str());
   const CPLErr error = out->AddBand(GDT_Float32, options);

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <optional>
 
+#include "tafoni/io/impl/gdal_names.h"
 #include "tafoni/math/whole.h"
 
 namespace tafoni::io::impl {
@@ -314,7 +315,7 @@ std::unique_ptr<DemSource> DemSource::open(const std::filesystem::path& path, in
   std::unique_ptr<DemSource> source;
   const std::string extension = lower(path.extension().string());
   if (extension == ".r16" || extension == ".raw16") {
-    require_file(path, "an elevation model");
+    checked_name(path, "an elevation model");
     source = std::make_unique<RawSource>(path);
   } else {
     GdalMessages messages;
