@@ -106,7 +106,7 @@ std::string name_of(const OGRSpatialReference& crs) {
 
 class FrameMaker {
  public:
-  FrameMaker(const DemSource& source, const std::array<int, 4>& window) : source_(source) {
+  FrameMaker(const DemSource& source, const std::array<int, 4>& window) : source_(source), window_(window) {
     middle_col_ = window[0] + window[2] / 2.0;
     middle_row_ = window[1] + window[3] / 2.0;
     frame_.transform = source.transform;
@@ -174,6 +174,8 @@ class FrameMaker {
     if (std::abs(latitude) > 90.1)
       fail(ErrorKind::input, "{}: its middle lies at latitude {:.1f}; the georeference is broken.",
            source_.name, latitude);
+    const Transform& t = frame_.transform;
+    frame_.degrees_wide = (std::abs(t[1]) * window_[2] + std::abs(t[2]) * window_[3]) * to_degree;
     const Vec2d ground = metres_per_degree(frame_.crs, latitude);
     measure(ground * to_degree);
     to_metric(longitude, latitude, fmt::format("is in degrees ({})", name_of(frame_.crs)));
@@ -254,6 +256,7 @@ class FrameMaker {
   }
 
   const DemSource& source_;
+  const std::array<int, 4>& window_;
   Frame frame_;
   double middle_col_ = 0, middle_row_ = 0;
 };
