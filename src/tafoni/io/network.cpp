@@ -5,16 +5,16 @@
 namespace tafoni::io {
 namespace {
 
-std::atomic<bool> allowed{false};
+std::atomic<bool> may_fetch{false};
 
 }  // namespace
 
 void allow_network() {
-  allowed = true;
+  may_fetch = true;
 }
 
 bool network_allowed() {
-  return allowed;
+  return may_fetch;
 }
 
 }  // namespace tafoni::io

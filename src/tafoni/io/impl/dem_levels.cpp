@@ -27,9 +27,9 @@ constexpr int strip_pixels = 1 << 21;
 constexpr double soon_read = 1 << 24;
 /// Places a side that are compared, and pixels of the overview a side in each: few beside what they stand
 /// for.
-constexpr int places = 4, place_pixels = 4;
+constexpr int places_aside = 4, place_pixels = 4;
 /// Cells a side of the window, in each of which the pixel is compared that sticks out most.
-constexpr int cells = 6;
+constexpr int suspect_cells = 6;
 /// How far area averages may be off the pixels' own, as a share of what the pixels vary by within one of the
 /// overview's: rounding, or a filter that is wider than a pixel. Every n-th pixel is off by about 1.
 constexpr double average_off = 0.1;
@@ -206,8 +206,8 @@ class Suspects {
       const double across = col > 0 ? std::abs(values[col] - values[col - 1]) : 0;
       const double down = row > top_ ? std::abs(values[col] - above_[col]) : 0;
       const double out = (across > 0 ? across : 0) + (down > 0 ? down : 0);
-      Suspect& worst =
-          found_[std::int64_t{row - top_} * cells / height_ * cells + std::int64_t{col} * cells / width_];
+      Suspect& worst = found_[std::int64_t{row - top_} * suspect_cells / height_ * suspect_cells +
+                              std::int64_t{col} * suspect_cells / width_];
       if (out > worst.out) worst = {out, left_ + col, row};
     }
     std::copy(values, values + width_, above_.begin());
@@ -225,7 +225,7 @@ class Suspects {
   };
   int left_, top_, width_, height_;
   std::vector<double> above_;
-  std::array<Suspect, cells * cells> found_{};
+  std::array<Suspect, suspect_cells * suspect_cells> found_{};
 };
 
 /// A window of a level, in its pixels.
@@ -261,10 +261,10 @@ std::size_t level_for(const DemSource& source, double fx, double fy) {
 /// Compares places that are spread evenly over a window.
 void compare_evenly(Comparison& to, const LevelWindow& window, Progress& progress) {
   const auto first = [](int begin, int end, int i) {
-    return begin + (end - begin) * (2 * i + 1) / (2 * places);
+    return begin + (end - begin) * (2 * i + 1) / (2 * places_aside);
   };
-  for (int row = 0; row < places; ++row)
-    for (int col = 0; col < places; ++col) {
+  for (int row = 0; row < places_aside; ++row)
+    for (int col = 0; col < places_aside; ++col) {
       progress.check();
       const int x = first(window.left, window.right, col), y = first(window.top, window.bottom, row);
       to.add(x, y, std::min(x + place_pixels, window.right), std::min(y + place_pixels, window.bottom));

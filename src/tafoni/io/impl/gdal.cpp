@@ -76,7 +76,7 @@ void shut_network() {
   VSIFreeFilesystemPluginCallbacksStruct(nothing);
 }
 
-GDALDriver* memory = nullptr;
+GDALDriver* kept_memory_driver = nullptr;
 
 /// GDAL's own nested opens ask all drivers there are, so others than the listed are taken away.
 void keep_listed_drivers() {
@@ -90,7 +90,7 @@ void keep_listed_drivers() {
     const char* const name = driver->GetDescription();
     if (listed(name, raster_drivers) || listed(name, vector_drivers)) continue;
     manager.DeregisterDriver(driver);
-    if (driver != memory) GDALDestroyDriver(driver);
+    if (driver != kept_memory_driver) GDALDestroyDriver(driver);
   }
 }
 
@@ -120,7 +120,7 @@ void ensure_gdal() {
       ::setenv("PROJ_DEBUG", "0", 0);
     }
     GDALAllRegister();
-    memory = GetGDALDriverManager()->GetDriverByName("MEM");
+    kept_memory_driver = GetGDALDriverManager()->GetDriverByName("MEM");
     if (ours) {
       keep_listed_drivers();
       if (!network_allowed()) shut_network();
@@ -137,7 +137,7 @@ const char* const* listed_drivers(unsigned flags) {
 
 GDALDriver& memory_driver() {
   ensure_gdal();
-  return *memory;
+  return *kept_memory_driver;
 }
 
 GdalMessages::GdalMessages() {

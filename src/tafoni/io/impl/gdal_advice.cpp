@@ -23,7 +23,7 @@ constexpr const char* data_endings[] = {"",     ".img", ".bil", ".bip",  ".bsq",
                                         ".bin", ".raw", ".tif", ".tiff", ".sdat", ".rst", ".grd",
                                         ".dem", ".asc", ".shp", ".png",  ".jpg"};
 
-bool readable(const std::string& name, unsigned flags) {
+bool is_identified(const std::string& name, unsigned flags) {
   return GDALIdentifyDriverEx(name.c_str(), flags, listed_drivers(flags), nullptr) != nullptr;
 }
 
@@ -45,7 +45,7 @@ std::string archive_advice(const std::string& prefix, const fs::path& path, unsi
     const VSIDIREntry* const entry = VSIGetNextDirEntry(entries);
     if (entry == nullptr) break;
     const std::string name = inside + "/" + entry->pszName;
-    if (!VSI_ISDIR(entry->nMode) && readable(name, flags)) found = name;
+    if (!VSI_ISDIR(entry->nMode) && is_identified(name, flags)) found = name;
   }
   VSICloseDir(entries);
   if (found.empty()) return "it is an archive, and holds nothing that is read as such";
@@ -63,7 +63,7 @@ std::string advice_for(const fs::path& path, unsigned flags) {
   for (const char* ending : data_endings) {
     fs::path data = path;
     data.replace_extension() += ending;
-    if (data != path && fs::is_regular_file(data, code) && readable(data.string(), flags))
+    if (data != path && fs::is_regular_file(data, code) && is_identified(data.string(), flags))
       return fmt::format("it goes with {}, which holds the data; name that", data.string());
   }
   std::string ending = path.extension().string();

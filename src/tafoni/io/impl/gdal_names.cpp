@@ -1,5 +1,6 @@
 // GDAL takes nearly any text for the name of a data set: URLs, databases, XML, other programs' memory. Only
-// regular files get to it, archives of them, and parts of files by the few prefixes listed here.
+// regular files get to it, archives of them, and parts of files by the few prefixes listed
+// here.
 
 #include "tafoni/io/impl/gdal_names.h"
 
@@ -20,10 +21,11 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view file_systems = "/vsi";
 /// Those of GDAL's that unpack a file of this machine; all others are refused, or lead to the network.
-constexpr std::string_view archives[] = {"/vsizip/", "/vsitar/", "/vsigzip/"};
+constexpr std::string_view archive_prefixes[] = {"/vsizip/", "/vsitar/", "/vsigzip/"};
 /// What GDAL's drivers put before a file's name to mean a part of it.
-constexpr std::string_view parts[] = {"NETCDF:", "BAG:", "GTIFF_DIR:", "GPKG:"};
-constexpr std::string_view urls[] = {"http://", "https://", "ftp://"};
+constexpr std::string_view part_prefixes[] = {"NETCDF:", "BAG:", "GTIFF_DIR:", "GPKG:"};
+/// A path that was put into its normal form has one slash less than a URL.
+constexpr std::string_view url_prefixes[] = {"http:/", "https:/", "ftp:/"};
 
 /// What GDAL reads along with a file: by this in place of its ending, or after it.
 constexpr std::string_view side_endings[] = {".aux.xml", ".msk", ".ovr", ".tfw", ".wld", ".pgw", ".jgw",
@@ -75,6 +77,12 @@ std::vector<fs::path> present_side_files(const fs::path& file) {
   return out;
 }
 
+std::string gdal_url(const std::string& name) {
+  if (!starts_with_any(name, url_prefixes)) return name;
+  const auto colon = name.find(':'), host = name.find_first_not_of('/', colon + 1);
+  return "/vsicurl/" + name.substr(0, colon) + "://" + (host == name.npos ? "" : name.substr(host));
+}
+
 void check_regular(const fs::path& path, const char* what) {
   if (InputFile(path).size() == 0)
     fail(ErrorKind::input, "{} is empty (0 bytes); it is not {}.", path.string(), what);
@@ -90,9 +98,9 @@ void check_regular(const fs::path& path, const char* what) {
 }  // namespace
 
 bool on_network(const std::string& name) {
-  if (name.find("://") != std::string::npos) return true;
+  if (starts_with_any(name, url_prefixes) || name.find("://") != std::string::npos) return true;
   for (auto at = name.find(file_systems); at != std::string::npos; at = name.find(file_systems, at + 1))
-    if (!starts_with_any(std::string_view(name).substr(at), archives)) return true;
+    if (!starts_with_any(std::string_view(name).substr(at), archive_prefixes)) return true;
   return false;
 }
 
@@ -108,7 +116,7 @@ std::optional<fs::path> file_in_name(const std::string& name) {
       }
     return false;
   };
-  if (strip(parts)) {
+  if (strip(part_prefixes)) {
     // The file stands between quotes, or as one of the pieces between colons.
     std::string_view left = rest;
     rest = {};
@@ -117,10 +125,10 @@ std::optional<fs::path> file_in_name(const std::string& name) {
       if (end == '"') left.remove_prefix(1);
       const std::string_view piece = left.substr(0, left.find(end));
       left.remove_prefix(std::min(left.size(), piece.size() + 1));
-      if (is_regular(piece) || starts_with_any(piece, archives)) rest = piece;
+      if (is_regular(piece) || starts_with_any(piece, archive_prefixes)) rest = piece;
     }
   }
-  while (strip(archives)) {
+  while (strip(archive_prefixes)) {
   }
   if (!composed || rest.empty()) return {};
   return file_above(fs::path(rest));
@@ -140,7 +148,7 @@ std::string checked_name(const fs::path& path, const char* what) {
   if (on_network(name)) {
     if (!network_allowed())
       fail(ErrorKind::input, "{} is not on this machine; fetch it, or give --allow-network.", name);
-    return starts_with_any(name, urls) ? "/vsicurl/" + name : name;
+    return gdal_url(name);
   }
   const auto file = file_in_name(name);
   if (!file) fail(ErrorKind::input, "{}: there is no such file; check the path.", name);

@@ -29,7 +29,7 @@ constexpr std::string_view header_words[] = {"ncols", "nrows",  "xll",   "yll", 
                                              "dy",    "nodata", "north", "south", "east:",    "west",
                                              "rows:", "cols:",  "null",  "type:"};
 /// Letters of a word that is shown.
-constexpr std::size_t shown = 20;
+constexpr std::size_t shown_letters = 20;
 
 std::string lower_case(std::string_view text) {
   std::string out(text);
@@ -78,7 +78,7 @@ class WordSearch {
       if (!is_no_number(word) && !in_header(piece, counted))
         fail(ErrorKind::input,
              "{}, line {}: \"{}\" stands where a height belongs; write nan for missing ones.", name_,
-             lines_ + 1, word.substr(0, shown));
+             lines_ + 1, word.substr(0, shown_letters));
       at = next_odd(piece, end);
     }
     lines_ += std::count(piece.begin() + static_cast<std::ptrdiff_t>(counted), piece.end(), '\n');
@@ -104,7 +104,7 @@ class WordSearch {
   bool in_header(std::string_view piece, std::size_t at) const {
     if (!first_) return false;
     const std::size_t line = piece.substr(0, at).rfind('\n') + 1;
-    const std::string word = lower_case(piece.substr(piece.find_first_not_of(" \t", line), shown));
+    const std::string word = lower_case(piece.substr(piece.find_first_not_of(" \t", line), shown_letters));
     return std::any_of(std::begin(header_words), std::end(header_words),
                        [&](std::string_view known) { return word.starts_with(known); });
   }

@@ -61,8 +61,8 @@ constexpr std::string_view plain_elements[] = {"VRTDataset",
                                                "KernelFilteredSource",
                                                "HideNoDataValue"};
 /// Words about the data that no file is opened for; what they hold is not looked into.
-constexpr std::string_view remarks[] = {"Metadata", "CategoryNames", "Histograms", "ColorTable",
-                                        "GDALRasterAttributeTable"};
+constexpr std::string_view remark_elements[] = {"Metadata", "CategoryNames", "Histograms", "ColorTable",
+                                                "GDALRasterAttributeTable"};
 constexpr const char* plain_class = "VRTSourcedRasterBand";
 /// A source within a mask's band within the mask within the data set, and room.
 constexpr int deepest = 16;
@@ -103,7 +103,7 @@ class VrtCheck {
  private:
   void element(const CPLXMLNode& node, const fs::path& vrt, int depth) {
     const std::string_view name = node.pszValue;
-    if (is_one_of(name, remarks)) return check_remark(node);
+    if (is_one_of(name, remark_elements)) return check_remark(node);
     if (!is_one_of(name, plain_elements)) refuse(name);
     const std::string_view kind = CPLGetXMLValue(&node, "subClass", plain_class);
     if (kind != plain_class) refuse(kind);

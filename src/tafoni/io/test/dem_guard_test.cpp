@@ -95,8 +95,9 @@ TEST_F(DemGuard, WhatIsNoPathIsNoTile) {
 }
 
 TEST_F(DemGuard, NothingIsFetchedUnasked) {
-  for (const char* url : {"http://127.0.0.1:9/a.tif", "/vsicurl/http://127.0.0.1:9/a.tif",
-                          "/vsis3/bucket/a.tif", "/vsizip//vsicurl/http://127.0.0.1:9/a.zip/a.tif"}) {
+  for (const char* url :
+       {"http://127.0.0.1:9/a.tif", "/vsicurl/http://127.0.0.1:9/a.tif", "/vsis3/bucket/a.tif",
+        "http:/127.0.0.1:9/a.tif", "/vsizip//vsicurl/http://127.0.0.1:9/a.zip/a.tif"}) {
     EXPECT_THAT(thrown_by([&] { read_dem(url); }).text, HasSubstr("--allow-network")) << url;
     EXPECT_THAT(thrown_by([&] { read_polygons(url, ""); }).text, HasSubstr("--allow-network")) << url;
     EXPECT_THAT(refusal(put("web.vrt", mosaic(url))), HasSubstr("--allow-network")) << url;
