@@ -33,6 +33,8 @@ void CommonOptions::declare(Args& args) {
   args.flag("--json", json, "Prints results as JSON");
   args.flag("-q,--quiet", quiet, "Prints no summary, warnings or progress, only results and errors");
   args.flag("--progress", progress, "Shows progress even where standard error is no terminal");
+  args.flag("--allow-network", network,
+            "Lets inputs be URLs, and mosaics name such; without it nothing is fetched");
   args.integer("--threads", "N", threads, 0, 4096, "Threads to use; default: 0, which takes all cores");
 }
 

@@ -18,7 +18,7 @@ namespace tafoni::cli {
 
 /// Options that every subcommand has.
 struct CommonOptions {
-  bool json = false, quiet = false, progress = false;
+  bool json = false, quiet = false, progress = false, network = false;
   std::optional<std::int64_t> threads;
 
   void declare(Args& args);

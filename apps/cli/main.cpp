@@ -13,6 +13,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/io/network.h"
 #include "tafoni/scene/build/build.h"
 
 namespace tafoni::cli {
@@ -71,6 +72,7 @@ int run(int argc, const char* const* argv) {
     return 0;
   }
   if (common.threads) set_thread_count(static_cast<int>(*common.threads));
+  if (common.network) io::allow_network();
   const Interruptible guard(console);
   const int code = entries[parsed.command].run(console);
   console.flush();

@@ -57,6 +57,31 @@ class Errors(Case):
         self.fails(3, "p.csv:2: ", "build", "p.toml", "-o", "a.glb")
         self.assertNotIn("a.glb", self.files())
 
+    def test_what_is_no_regular_file_is_refused_at_once(self):
+        self.hill()
+        os.mkfifo(self.dir / "pipe")
+        for name in ("pipe.toml", "pipe.tif", "pipe.csv", "pipe.geojson", "pipe.glb", "pipe.vdb"):
+            (self.dir / name).symlink_to("pipe")
+        says = "is a pipe or a device"
+        self.fails(3, says, "build", "pipe.toml", "-o", "a.glb")
+        self.fails(3, says, "info", "pipe.tif")
+        self.fails(3, says, "info", "/dev/zero")
+        self.fails(3, says, "info", "pipe.vdb")
+        self.fails(3, says, "validate", "pipe.glb")
+        self.fails(3, says, "query", "hill.asc", "--points", "pipe.csv")
+        for key, name in (("region", "pipe.geojson"), ("mask", "pipe.tif"), ("points", "pipe.csv")):
+            (self.dir / "s.toml").write_text(f"[terrain]\nsource = 'hill.asc'\n[[layer]]\ntype = 'karst'\n{key} = '{name}'\n")
+            self.fails(3, says, "build", "s.toml", "-o", "a.glb")
+
+    def test_a_scene_has_the_size_of_a_scene(self):
+        (self.dir / "s.toml").write_text("[terrain]\ngenerator = 'plane'\n" + "# words\n" * (5 << 20))
+        self.fails(3, "s.toml: holds more than 16 MB", "build", "s.toml", "-o", "a.glb")
+
+    def test_nothing_is_fetched_unasked(self):
+        url = "http://127.0.0.1:9/a.tif"
+        self.fails(3, "give --allow-network", "info", url)
+        self.fails(3, "cannot be read", "info", url, "--allow-network")
+
     def test_outputs_are_checked_before_the_work(self):
         self.hill()
         self.fails(4, "no/such/folder", "build", "hill.asc", "-o", "no/such/folder/a.glb")

@@ -91,7 +91,7 @@ class Volumes(Case):
         self.fails(3, "cut.tvol: the file is damaged", "build", "cut.tvol", "-o", "b.glb")
         self.fails(3, "checksum", "info", "bad.tvol")
         self.fails(3, "another format", "render", "text.tvol", "-o", "b.png")
-        self.fails(3, "none.tvol: cannot be opened", "build", "none.tvol", "-o", "b.glb")
+        self.fails(3, "none.tvol: does not exist", "build", "none.tvol", "-o", "b.glb")
         self.fails(2, "known extensions", "build", "s.toml", "-o", "a.vox")
         self.fails(2, "leave out --tiles", "build", "s.toml", "-o", "b.tvol", "--tiles", "2")
         self.fails(2, "are for volumes", "build", "s.toml", "-o", "b.glb", "--half")

@@ -32,8 +32,7 @@ struct Text {
   std::string text, name;
 };
 Text read_table(const std::string& path) {
-  if (path != "-") return {io::read_text(path), path};
-  return {{std::istreambuf_iterator<char>(std::cin), {}}, "standard input"};
+  return {io::read_text(path), path == "-" ? "standard input" : path};
 }
 
 void append_row(fmt::memory_buffer& out, bool json, Vec3d p, float f, Vec3f g,

@@ -1,6 +1,4 @@
 // tafoni sculpt: adds strokes to a scene's journal, takes them back, mutes or lists them.
-#include <iostream>
-#include <iterator>
 #include <memory>
 
 #include "command.h"
@@ -31,11 +29,8 @@ std::vector<scene::Stroke> strokes_of(const Sculpt& s) {
   for (const std::string& text : s.strokes)
     out.push_back(scene::parse_stroke(text, fmt::format("--stroke \"{}\"", text)));
   if (s.strokes_file.empty()) return out;
-  const bool standard_input = s.strokes_file == "-";
-  const std::string text =
-      standard_input ? std::string(std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>())
-                     : io::read_text(s.strokes_file);
-  const auto more = scene::parse_strokes(text, standard_input ? "standard input" : s.strokes_file);
+  const auto more = scene::parse_strokes(io::read_text(s.strokes_file),
+                                         s.strokes_file == "-" ? "standard input" : s.strokes_file);
   out.insert(out.end(), more.begin(), more.end());
   return out;
 }

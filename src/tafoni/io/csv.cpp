@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
+#include <iostream>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,6 +14,7 @@
 #include <fmt/ranges.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/input_file.h"
 #include "tafoni/core/params.h"
 #include "tafoni/io/impl/table.h"
 
@@ -227,20 +227,20 @@ std::vector<Vec3d> parse_points_csv(std::string_view text, std::string_view name
   return out;
 }
 
-std::string read_text(const std::filesystem::path& file, std::uint64_t limit) {
-  std::error_code code;
-  if (std::filesystem::is_directory(file, code))
-    fail(ErrorKind::input, "{}: is a folder; expected a file", file.string());
-  std::ifstream in(file, std::ios::binary);
-  if (!in) {
-    fail(ErrorKind::input, "{}: {}", file.string(),
-         std::filesystem::exists(file, code) ? "cannot be read; check its permissions" : "does not exist");
+std::string read_text(const std::filesystem::path& path, std::uint64_t limit) {
+  const auto too_long = [&](std::string_view name) {
+    fail(ErrorKind::input, "{}: holds more than {} MB; at most that can be read", name, limit >> 20);
+  };
+  if (path != "-") {
+    const InputFile file(path);
+    if (file.size() > limit) too_long(path.string());
+    return file.whole();
   }
-  const auto size = std::filesystem::file_size(file, code);
-  if (!code && size > limit)
-    fail(ErrorKind::input, "{}: is {} bytes long; at most {} can be read", file.string(), size, limit);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (in.bad()) fail(ErrorKind::input, "{}: cannot be read to its end", file.string());
+  std::string text;
+  for (std::array<char, 65536> part{}; std::cin.read(part.data(), part.size()) || std::cin.gcount() > 0;) {
+    text.append(part.data(), std::cin.gcount());
+    if (text.size() > limit) too_long("standard input");
+  }
   return text;
 }
 

@@ -39,7 +39,8 @@ std::vector<std::vector<double>> parse_numbers_csv(std::string_view text, std::s
 /// The same with the columns x, y, z.
 std::vector<Vec3d> parse_points_csv(std::string_view text, std::string_view name);
 
-/// The whole file. Throws Error{input} when it cannot be read or is larger than `limit` bytes.
-std::string read_text(const std::filesystem::path& file, std::uint64_t limit = std::uint64_t{1} << 32);
+/// The whole of a regular file, or of standard input where the path is "-". Throws Error{input} when it
+/// cannot be read or is larger than `limit` bytes.
+std::string read_text(const std::filesystem::path& path, std::uint64_t limit = std::uint64_t{1} << 32);
 
 }  // namespace tafoni::io

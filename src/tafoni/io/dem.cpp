@@ -12,9 +12,11 @@
 #include "tafoni/core/atomic_file.h"
 #include "tafoni/core/error.h"
 #include "tafoni/io/impl/dem_frame.h"
+#include "tafoni/io/impl/dem_levels.h"
 #include "tafoni/io/impl/dem_source.h"
 #include "tafoni/math/whole.h"
 #include "tafoni/raster/fill.h"
+#include "tafoni/raster/jumps.h"
 #include "tafoni/raster/resample.h"
 #include "tafoni/raster/steps.h"
 
@@ -32,6 +34,15 @@ constexpr double fill_pixels = 8;
 constexpr double same_resolution = 1.0001;
 /// A resolution below this share of the file's pixel is said to add nothing.
 constexpr double finer = 0.99;
+/// Metres: the earth's axis, and by how much that of another planet or moon differs at least.
+constexpr double earth_axis = 6'378'137, other_planet = 1e5;
+/// Neighbouring pixels of a steep cliff differ by some times their size, and by a hundred metres at most
+/// where pixels are a few metres.
+constexpr double jump_slope = 8, least_jump = 100;
+/// Degrees: beyond half of the earth no map in metres is near one.
+constexpr double widest_map = 180;
+/// Rows that are looked at for columns without data.
+constexpr int gap_rows = 200;
 /// Pixels that are surveyed at once, and that are kept to look for terraces in: 16 MB of doubles.
 constexpr int survey_pixels = 1 << 21;
 
@@ -71,7 +82,37 @@ void note_oddities(const impl::ReadReport& report, std::vector<std::string>& not
     notes.push_back(fmt::format("{} pixels hold {} without a tag that says so; taken as missing.",
                                 report.sentinel, report.sentinel_value));
   if (report.absurd > 0)
-    notes.push_back(fmt::format("{} pixels hold heights beyond 100 km; taken as missing.", report.absurd));
+    notes.push_back(fmt::format("{} pixels hold heights beyond 100 km, such as {:.6g}; taken as missing.",
+                                report.absurd, report.absurd_value));
+}
+
+/// Heights that the earth does not have, and steps that no ground has: told, as only the user knows what they
+/// mean.
+void note_heights(const impl::DemSource& source, double lowest, double highest,
+                  std::vector<std::string>& notes) {
+  const double axis = source.crs.IsEmpty() ? earth_axis : source.crs.GetSemiMajor();
+  if (std::abs(axis - earth_axis) > other_planet) return;
+  const bool high = highest > impl::earth_highest;
+  if (high || lowest < impl::earth_lowest)
+    notes.push_back(fmt::format(
+        "heights reach {:.6g} m, which is {} than anything on earth; if they are in another unit, give the "
+        "height scale (metres a unit).",
+        high ? highest : lowest, high ? "higher" : "deeper"));
+}
+
+/// `pixel` in metres.
+double jump_limit(double pixel) {
+  return std::max(least_jump, jump_slope * pixel);
+}
+
+/// Pixel (0, 0) of the rows looked at is pixel (x, y) of the file, and covers fx by fy of its pixels.
+void note_jumps(const raster::Jumps& jumps, std::array<double, 4> place, std::vector<std::string>& notes) {
+  if (jumps.count == 0) return;
+  const auto [x, y, fx, fy] = place;
+  notes.push_back(fmt::format(
+      "heights jump from one pixel to the next in {} places, by up to {:.6g} m at column {}, row {}, as no "
+      "ground does; look there for spikes, or for missing data that is not marked as such.",
+      jumps.count, jumps.height, floor_to(x + (jumps.col + 0.5) * fx), floor_to(y + (jumps.row + 0.5) * fy)));
 }
 
 void note_step(const impl::DemSource& source, double step, bool smoothed, std::vector<std::string>& notes) {
@@ -82,6 +123,48 @@ void note_step(const impl::DemSource& source, double step, bool smoothed, std::v
         fmt::format("heights come in steps of {:.4g} m and will show as terraces; ask for smoothing.", step));
   else if (source.bytes)
     notes.push_back("heights are 8-bit; at most 256 different ones.");
+}
+
+/// Where the columns of a file are empty between two parts that are not, in its middle: begin and end.
+std::pair<int, int> widest_gap(impl::DemSource& source) {
+  const int width = source.width(), step = std::max(1, source.height() / gap_rows);
+  std::vector<double> line(width);
+  std::vector<bool> known(width, false);
+  const impl::ReadReport before = source.report;
+  for (int row = 0; row < source.height(); row += step) {
+    source.read(0, 0, row, width, 1, line.data());
+    for (int col = 0; col < width; ++col)
+      if (!std::isnan(line[col])) known[col] = true;
+  }
+  source.report = before;
+  std::pair<int, int> widest{0, 0};
+  int last = -1;
+  for (int col = 0; col < width; ++col) {
+    if (!known[col]) continue;
+    if (last >= 0 && col - last - 1 > widest.second - widest.first) widest = {last + 1, col};
+    last = col;
+  }
+  return widest;
+}
+
+/// Why a file in degrees that goes about most of the earth cannot be read whole, and what to do.
+std::string why_too_wide(impl::DemSource& source, double degrees) {
+  const auto& t = source.transform;
+  const auto [begin, end] = widest_gap(source);
+  if (t[1] <= 0 || t[2] != 0 || (end - begin) * t[1] < degrees / 2)
+    return fmt::format(
+        "spans {:.4g} degrees of longitude, more than a map in metres can; choose a window of it.", degrees);
+  const double seam = std::remainder(t[0], 360) <= -180 ? 180 : std::remainder(t[0], 360);
+  double west = t[0] + end * t[1], east = t[0] + begin * t[1] + 360;
+  const double turns = 360 * std::round(((west + east) / 2 - seam) / 360);
+  west -= turns;
+  east -= turns;
+  const double y0 = t[3], y1 = t[3] + source.height() * t[5];
+  return fmt::format(
+      "spans {:.4g} degrees of longitude, with data at both ends and nothing between: it is cut along the "
+      "meridian of {:g} degrees; join it there first, as gdalwarp -t_srs \"+proj=longlat +datum=WGS84 "
+      "+lon_wrap={:g}\" -te {:.9g} {:.9g} {:.9g} {:.9g} does.",
+      degrees, seam, seam, west, std::min(y0, y1), east, std::max(y0, y1));
 }
 
 /// The transform of a grid whose pixels cover fx by fy of the file's, from the window's corner.
@@ -116,6 +199,8 @@ class Reader {
         frame_(impl::metric_frame(*source_, window_, options.pixel_size, options.crs)) {}
 
   Dem read() {
+    if (frame_.degrees_wide > widest_map)
+      fail(ErrorKind::input, "{} {}", source_->name, why_too_wide(*source_, frame_.degrees_wide));
     take(source_->notes);
     take(frame_.notes);
     const auto [x, y, w, h] = window_;
@@ -127,10 +212,17 @@ class Reader {
       fail(ErrorKind::usage, "{}: a resolution of {} m leaves {} x {} pixels; choose a finer one.",
            source_->name, options_.resolution, width, height);
     impl::check_memory(1.0 * width * height, copies_while_mending, source_->name);
-    raster::Raster raster{impl::read_window(*source_, window_, fx, fy, width, height, progress_),
-                          {0, 0, frame_.pixel_x * fx, frame_.pixel_y * fy},
-                          ""};
+    impl::Reading reading = impl::read_window(*source_, window_, fx, fy, width, height, progress_);
+    if (reading.overviews_off > 0)
+      dem_.notes.push_back(fmt::format(
+          "its overviews are no averages of its pixels, by up to {:.4g} m; the pixels are averaged instead.",
+          reading.overviews_off));
+    raster::Raster raster{std::move(reading.heights), {0, 0, frame_.pixel_x * fx, frame_.pixel_y * fy}, ""};
     note_oddities(source_->report, dem_.notes);
+    raster::JumpSearch search(jump_limit(std::max(raster.placement.dx, raster.placement.dy)));
+    for (int row = 0; row < height; ++row)
+      search.add({raster.values.row(row), static_cast<std::size_t>(width)});
+    note_jumps(search.jumps(), {1.0 * x, 1.0 * y, fx, fy}, dem_.notes);
     mend(raster);
     place(std::move(raster), transform_of(frame_.transform, window_, fx, fy));
     dem_.missing = share(count_missing(dem_.raster.values), dem_.raster.values.size());
@@ -152,9 +244,19 @@ class Reader {
          options_.window ? " in this window" : "");
   }
 
+  void note_range(const raster::Grid<float>& heights) {
+    float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
+    for (const float v : heights.values()) {
+      lowest = v < lowest ? v : lowest;
+      highest = v > highest ? v : highest;
+    }
+    note_heights(*source_, lowest, highest, dem_.notes);
+  }
+
   void mend(raster::Raster& raster) {
     const std::size_t missing = count_missing(raster.values);
     if (missing == raster.values.size()) fail_empty();
+    note_range(raster.values);
     dem_.step = raster::detect_step(raster.values);
     note_step(*source_, dem_.step, options_.smooth, dem_.notes);
     if (options_.smooth && dem_.step > 0) raster::remove_steps(raster, dem_.step, progress_);
@@ -198,8 +300,8 @@ class Reader {
   Dem dem_;
 };
 
-/// Range and steps from one pass over a file's own pixels.
-void survey(impl::DemSource& source, DemInfo& info, Progress& progress) {
+/// Range, steps and jumps from one pass over a file's own pixels of so many metres.
+raster::Jumps survey(impl::DemSource& source, double pixel, DemInfo& info, Progress& progress) {
   const int width = source.width(), height = source.height();
   const impl::Level& own = source.levels.front();
   const int rows = std::clamp(survey_pixels / width / own.block_height * own.block_height, 1, height);
@@ -209,6 +311,8 @@ void survey(impl::DemSource& source, DemInfo& info, Progress& progress) {
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   raster::Grid<float> sample(width, std::min(height, std::max(2, survey_pixels / width)), raster::no_data);
   int kept = 0;
+  raster::JumpSearch jumps(jump_limit(pixel));
+  std::vector<float> line(width);
   progress.begin("survey", height, "rows");
   for (int row = 0; row < height; row += rows) {
     const int count = std::min(rows, height - row);
@@ -220,10 +324,11 @@ void survey(impl::DemSource& source, DemInfo& info, Progress& progress) {
         lowest = std::min(lowest, values[col]);
         highest = std::max(highest, values[col]);
       }
+      std::transform(values, values + width, line.begin(), [](double v) { return static_cast<float>(v); });
+      jumps.add(line);
       // Rows are kept in pairs, as steps show between neighbours.
       if ((row + r) / 2 % keep_every == 0 && kept < sample.height())
-        std::transform(values, values + width, sample.row(kept++),
-                       [](double v) { return static_cast<float>(v); });
+        std::copy(line.begin(), line.end(), sample.row(kept++));
     }
     progress.advance(count);
   }
@@ -234,6 +339,7 @@ void survey(impl::DemSource& source, DemInfo& info, Progress& progress) {
   info.lowest = lowest;
   info.highest = highest;
   info.step = raster::detect_step(sample);
+  return jumps.jumps();
 }
 
 void describe(const impl::DemSource& source, DemInfo& info) {
@@ -296,9 +402,14 @@ DemInfo inspect_dem(const std::filesystem::path& path, int band, Progress& progr
   describe(*source, info);
   const impl::Frame frame = impl::metric_frame(*source, window, 0, "");
   info.notes = source->notes;
-  info.notes.insert(info.notes.end(), frame.notes.begin(), frame.notes.end());
-  survey(*source, info, progress);
+  if (frame.degrees_wide > widest_map)
+    info.notes.push_back(why_too_wide(*source, frame.degrees_wide));
+  else
+    info.notes.insert(info.notes.end(), frame.notes.begin(), frame.notes.end());
+  const raster::Jumps jumps = survey(*source, std::max(frame.pixel_x, frame.pixel_y), info, progress);
   note_oddities(source->report, info.notes);
+  note_heights(*source, info.lowest, info.highest, info.notes);
+  note_jumps(jumps, {0, 0, 1, 1}, info.notes);
   note_step(*source, info.step, false, info.notes);
   if (info.missing > 0)
     info.notes.push_back(

@@ -106,7 +106,7 @@ std::string name_of(const OGRSpatialReference& crs) {
 
 class FrameMaker {
  public:
-  FrameMaker(const DemSource& source, const std::array<int, 4>& window) : source_(source) {
+  FrameMaker(const DemSource& source, const std::array<int, 4>& window) : source_(source), window_(window) {
     middle_col_ = window[0] + window[2] / 2.0;
     middle_row_ = window[1] + window[3] / 2.0;
     frame_.transform = source.transform;
@@ -174,6 +174,8 @@ class FrameMaker {
     if (std::abs(latitude) > 90.1)
       fail(ErrorKind::input, "{}: its middle lies at latitude {:.1f}; the georeference is broken.",
            source_.name, latitude);
+    const Transform& t = frame_.transform;
+    frame_.degrees_wide = (std::abs(t[1]) * window_[2] + std::abs(t[2]) * window_[3]) * to_degree;
     const Vec2d ground = metres_per_degree(frame_.crs, latitude);
     measure(ground * to_degree);
     to_metric(longitude, latitude, fmt::format("is in degrees ({})", name_of(frame_.crs)));
@@ -254,6 +256,7 @@ class FrameMaker {
   }
 
   const DemSource& source_;
+  const std::array<int, 4>& window_;
   Frame frame_;
   double middle_col_ = 0, middle_row_ = 0;
 };
@@ -274,8 +277,7 @@ struct WarpOptions {
 /// A dataset over a grid's own memory.
 DatasetPtr over_memory(raster::Grid<float>& grid, const Transform& transform,
                        const OGRSpatialReference& crs) {
-  DatasetPtr out(GetGDALDriverManager()->GetDriverByName("MEM")->Create("", grid.width(), grid.height(), 0,
-                                                                        GDT_Float32, nullptr));
+  DatasetPtr out(memory_driver().Create("", grid.width(), grid.height(), 0, GDT_Float32, nullptr));
   const std::string pointer = fmt::format("{}", reinterpret_cast<std::uintptr_t>(grid.data()));
   char** options = CSLSetNameValue(nullptr, "DATAPOINTER", pointer.c_str());
   const CPLErr error = out->AddBand(GDT_Float32, options);

@@ -19,6 +19,7 @@ struct Frame {
   bool reproject = false;
   bool rotated = false;             ///< by other than quarter turns
   double pixel_x = 1, pixel_y = 1;  ///< metres on the ground along a row and a column, at the middle
+  double degrees_wide = 0;  ///< of longitude that the window spans; 0 where the file is not in degrees
   std::vector<std::string> notes;
 };
 

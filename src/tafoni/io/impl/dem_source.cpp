@@ -1,6 +1,5 @@
 // Elevation files as windows of heights: through GDAL, or as headerless square heightmaps of 16 bits.
-// Marks of missing data that no tag admits to are found here, and windows are averaged down by strips
-// from the coarsest overview that is fine enough.
+// Marks of missing data that no tag admits to are found here.
 
 #include "tafoni/io/impl/dem_source.h"
 
@@ -10,6 +9,8 @@
 #include <fstream>
 #include <optional>
 
+#include "tafoni/io/impl/gdal_names.h"
+#include "tafoni/io/impl/grid_text.h"
 #include "tafoni/math/whole.h"
 
 namespace tafoni::io::impl {
@@ -18,35 +19,25 @@ namespace {
 /// Metres; beyond it a height is a mark for missing data, whatever the tags say.
 constexpr double absurd_height = 1e5;
 
-/// Values that stand for missing data when no tag says so.
-constexpr double sentinels[] = {-9999, -32768, -32767, -99999};
-/// Metres: other heights this near to a sentinel make it a height as well.
-constexpr double near_sentinel = 200;
+/// Values that stand for missing data when no tag says so …
+constexpr double marks_below[] = {-9999, -32768, -32767, -99999, -9998, -999};
+/// … and those that do where the height would be beyond all on earth.
+constexpr double marks_above[] = {9999, 32767, 32768, 65535, 99999};
+/// Metres: other heights this near to a mark make it a height as well.
+constexpr double near_mark = 200;
+
+/// Units that differ by less, as the feet do, are not told apart in a note.
+constexpr double same_unit = 1e-5;
 
 /// A tag this large or larger is compared to so many parts of itself, as it is often written with fewer
 /// digits than the value it means (-3.402823e+38); smaller ones are exact.
 constexpr double long_tag = 1e6, long_tag_error = 1e-6;
 
-/// An overview serves although rounding made it so much smaller than the size asked for.
-constexpr double overview_share = 0.999;
-
-/// The share of a pixel of an average that must be known, and the part by which rounding may make it less.
-constexpr double known_share = 0.5, known_rounding = 1e-6;
-
-/// Pixels read at once: 16 MB of doubles.
-constexpr int strip_pixels = 1 << 21;
-
-/// The sentinel among the values, unless true values lie near it, as the sea floor may at -9999 m.
-std::optional<double> find_sentinel(const double* values, std::size_t count) {
-  for (const double mark : sentinels) {
-    bool found = false, near = false;
-    for (std::size_t i = 0; i < count && !near; ++i) {
-      found = found || values[i] == mark;
-      near = values[i] != mark && std::abs(values[i] - mark) < near_sentinel;
-    }
-    if (found && !near) return mark;
-  }
-  return std::nullopt;
+bool is_one_of_marks(double value) {
+  const auto among = [&](const auto& marks) {
+    return std::find(std::begin(marks), std::end(marks), value) != std::end(marks);
+  };
+  return among(marks_below) || among(marks_above);
 }
 
 std::string lower(std::string text) {
@@ -91,6 +82,7 @@ class GdalSource final : public DemSource {
     GDALRasterBand* own = dataset_->GetRasterBand(band);
     type = GDALGetDataTypeName(own->GetRasterDataType());
     bytes = own->GetRasterDataType() == GDT_Byte;
+    whole = GDALDataTypeIsInteger(own->GetRasterDataType()) != 0;
     if (GDALDataTypeIsComplex(own->GetRasterDataType()))
       fail(ErrorKind::input, "{}: band {} holds complex numbers, not elevations.", name, band);
     int tagged = 0;
@@ -100,12 +92,15 @@ class GdalSource final : public DemSource {
     nan_marks_missing = pairs_.front().mask != nullptr || (has_nodata && std::isnan(nodata));
     read_georeference();
     read_units(own);
+    const std::string kind = dataset_->GetDriver()->GetDescription();
+    if (kind == "AAIGrid" || kind == "GRASSASCIIGrid") check_grid_text(dataset_->GetDescription(), name);
+    if (kind == "AAIGrid") place_grid_text();
   }
 
  private:
   struct Pair {
     GDALRasterBand* heights;
-    GDALRasterBand* mask;  ///< null where nodata values say it all
+    GDALRasterBand* mask;  ///< null where nodata values say it all; there is data where it is positive
   };
 
   void choose_band(int wanted) {
@@ -136,22 +131,38 @@ class GdalSource final : public DemSource {
       notes.push_back(fmt::format("has {} bands; band {} is taken as the elevations.", bands, band));
   }
 
+  /// GDAL takes an alpha band for a mask only where it is of 8 bits or of 16 without a sign.
+  GDALRasterBand* alpha_band() {
+    for (int b = 1; b <= bands; ++b)
+      if (b != band && dataset_->GetRasterBand(b)->GetColorInterpretation() == GCI_AlphaBand)
+        return dataset_->GetRasterBand(b);
+    return nullptr;
+  }
+
   void list_levels(GDALRasterBand* own) {
-    const auto add = [&](GDALRasterBand* heights) {
+    const auto add = [&](GDALRasterBand* heights, GDALRasterBand* alpha) {
       int block_width = 0, block_height = 0;
       heights->GetBlockSize(&block_width, &block_height);
       levels.push_back({heights->GetXSize(), heights->GetYSize(), std::max(block_height, 1)});
-      const int flags = heights->GetMaskFlags();
-      const bool masked = (flags & (GMF_ALL_VALID | GMF_NODATA)) == 0;
-      pairs_.push_back({heights, masked ? heights->GetMaskBand() : nullptr});
+      const bool masked = (heights->GetMaskFlags() & (GMF_ALL_VALID | GMF_NODATA)) == 0;
+      pairs_.push_back({heights, masked ? heights->GetMaskBand() : alpha});
     };
-    add(own);
-    std::vector<GDALRasterBand*> overviews;
-    for (int i = 0; i < own->GetOverviewCount(); ++i)
-      if (GDALRasterBand* overview = own->GetOverview(i)) overviews.push_back(overview);
+    GDALRasterBand* const alpha = alpha_band();
+    add(own, alpha);
+    std::vector<std::pair<GDALRasterBand*, GDALRasterBand*>> overviews;
+    for (int i = 0; i < own->GetOverviewCount(); ++i) {
+      GDALRasterBand* const overview = own->GetOverview(i);
+      GDALRasterBand* const seen =
+          alpha != nullptr && i < alpha->GetOverviewCount() ? alpha->GetOverview(i) : nullptr;
+      if (overview == nullptr || (alpha != nullptr && seen == nullptr)) continue;
+      if (seen != nullptr &&
+          (seen->GetXSize() != overview->GetXSize() || seen->GetYSize() != overview->GetYSize()))
+        continue;
+      overviews.emplace_back(overview, seen);
+    }
     std::sort(overviews.begin(), overviews.end(),
-              [](GDALRasterBand* a, GDALRasterBand* b) { return a->GetXSize() > b->GetXSize(); });
-    for (GDALRasterBand* overview : overviews) add(overview);
+              [](const auto& a, const auto& b) { return a.first->GetXSize() > b.first->GetXSize(); });
+    for (const auto& [overview, seen] : overviews) add(overview, seen);
   }
 
   void read_georeference() {
@@ -178,30 +189,50 @@ class GdalSource final : public DemSource {
            name, along, across, transform[0], transform[3]);
   }
 
+  void place_grid_text() {
+    const GridPlace place = grid_place(dataset_->GetDescription(), height());
+    if (place.mixed) transform = place.transform;
+    if (place.missing) {
+      transform = place.transform;
+      notes.push_back("names no corner; its south-west corner is taken as (0, 0).");
+    }
+  }
+
   void read_units(GDALRasterBand* own) {
     int given = 0;
     scale = own->GetScale(&given);
     if (!given || scale == 0 || !std::isfinite(scale)) scale = 1;
     offset = own->GetOffset(&given);
     if (!given || !std::isfinite(offset)) offset = 0;
-    std::string word = own->GetUnitType();
-    if (word.empty() && !crs.IsEmpty() && crs.IsVertical()) {
-      const char* vertical = nullptr;
-      unit = crs.GetTargetLinearUnits("VERT_CS", &vertical);
-      height_unit = vertical != nullptr ? vertical : "metre";
-      unit_stated = true;
-    } else if (const double metres = metres_of(word); metres > 0) {
-      unit = metres;
-      unit_stated = !word.empty();
-      if (!word.empty()) height_unit = metres == 1 ? "metre" : word;
-    } else {
-      notes.push_back(
-          fmt::format("gives its heights in \"{}\", which is not a known unit; taken as metres.", word));
-    }
+    read_height_unit(own->GetUnitType());
     if (!crs.IsEmpty()) crs.StripVertical();
     const bool picture = std::strcmp(dataset_->GetDriver()->GetDescription(), "PNG") == 0;
     if (picture && !georeferenced && own->GetRasterDataType() == GDT_UInt16 && scale == 1)
       note_picture(*this);
+  }
+
+  /// A file may name the unit twice. Who reprojects a file, or gives it a CRS, writes the CRS anew and leaves
+  /// the tag as it was, so the CRS is believed.
+  void read_height_unit(const std::string& tag) {
+    const double tagged = metres_of(tag);
+    if (!crs.IsEmpty() && crs.IsVertical() != 0) {
+      const char* word = nullptr;
+      const double metres = crs.GetTargetLinearUnits("VERT_CS", &word);
+      unit = metres > 0 && std::isfinite(metres) ? metres : 1;
+      height_unit = word != nullptr ? word : "metre";
+      unit_stated = true;
+      if (!tag.empty() && std::abs(tagged - unit) > same_unit * unit)
+        notes.push_back(fmt::format(
+            "gives its heights in \"{}\" by a tag and in {} by its coordinate system, which is believed.",
+            tag, height_unit));
+    } else if (tagged > 0) {
+      unit = tagged;
+      unit_stated = !tag.empty();
+      if (!tag.empty()) height_unit = tagged == 1 ? "metre" : tag;
+    } else {
+      notes.push_back(
+          fmt::format("gives its heights in \"{}\", which is not a known unit; taken as metres.", tag));
+    }
   }
 
   void read_stored(std::size_t level, int x, int y, int w, int h, double* out) override {
@@ -212,15 +243,15 @@ class GdalSource final : public DemSource {
            messages.because());
     if (pair.mask == nullptr) return;
     mask_.resize(std::int64_t{w} * h);
-    if (pair.mask->RasterIO(GF_Read, x, y, w, h, mask_.data(), w, h, GDT_Byte, 0, 0) != CE_None)
+    if (pair.mask->RasterIO(GF_Read, x, y, w, h, mask_.data(), w, h, GDT_Float32, 0, 0) != CE_None)
       fail(ErrorKind::input, "{}: its mask cannot be read{}; fetch it again.", name, messages.because());
     for (std::size_t i = 0; i < mask_.size(); ++i)
-      if (mask_[i] == 0) out[i] = std::numeric_limits<double>::quiet_NaN();
+      if (!(mask_[i] > 0)) out[i] = std::numeric_limits<double>::quiet_NaN();
   }
 
   DatasetPtr dataset_;
   std::vector<Pair> pairs_;
-  std::vector<std::uint8_t> mask_;
+  std::vector<float> mask_;
 };
 
 /// Headerless 16-bit heightmaps, little-endian and square, as game tools write them.
@@ -255,66 +286,13 @@ class RawSource final : public DemSource {
   std::ifstream file_;
 };
 
-/// Spreads the rows of a level over the rows of the target, by area.
-class Averager {
- public:
-  Averager(raster::Grid<float>& out, double fx, double fy)
-      : out_(out), fx_(fx), fy_(fy), sums_(2 * columns()), weights_(2 * columns()) {}
-
-  /// A source row whose pixel i spans [left + i * wide, … + wide) and [top, bottom), in the file's pixels
-  /// from the window's corner. Rows come from the top down.
-  void add(const double* values, int count, double left, double wide, double top, double bottom) {
-    top = std::max(top, 0.0);
-    while (top < bottom && row_ < out_.height()) {
-      const double end = (row_ + 1) * fy_;
-      const double tall = std::min(bottom, end) - top;
-      if (tall > 0) spread(values, count, left, wide, tall);
-      if (bottom < end) return;
-      finish_row();
-      top = std::max(top, end);
-    }
-  }
-  void finish() {
-    while (row_ < out_.height()) finish_row();
-  }
-
- private:
-  int columns() const { return out_.width(); }
-  void spread(const double* values, int count, double left, double wide, double tall) {
-    for (int i = 0; i < count; ++i) {
-      if (std::isnan(values[i])) continue;
-      const double begin = std::max(left + i * wide, 0.0), end = left + (i + 1) * wide;
-      for (int col = static_cast<int>(begin / fx_); col < out_.width() && col * fx_ < end; ++col) {
-        const double weight = (std::min(end, (col + 1) * fx_) - std::max(begin, col * fx_)) * tall;
-        if (weight <= 0) continue;
-        sums_[col] += weight * values[i];
-        weights_[col] += weight;
-      }
-    }
-  }
-  void finish_row() {
-    for (int col = 0; col < out_.width(); ++col) {
-      if (weights_[col] > known_share * fx_ * fy_ * (1 - known_rounding))
-        out_.at(col, row_) = static_cast<float>(sums_[col] / weights_[col]);
-    }
-    std::fill(sums_.begin(), sums_.end(), 0.0);
-    std::fill(weights_.begin(), weights_.end(), 0.0);
-    ++row_;
-  }
-
-  raster::Grid<float>& out_;
-  double fx_, fy_;
-  std::vector<double> sums_, weights_;
-  int row_ = 0;
-};
-
 }  // namespace
 
 std::unique_ptr<DemSource> DemSource::open(const std::filesystem::path& path, int band, double height_scale) {
   std::unique_ptr<DemSource> source;
   const std::string extension = lower(path.extension().string());
   if (extension == ".r16" || extension == ".raw16") {
-    require_file(path, "an elevation model");
+    checked_name(path, "an elevation model");
     source = std::make_unique<RawSource>(path);
   } else {
     GdalMessages messages;
@@ -338,6 +316,31 @@ bool DemSource::is_nodata(double stored) const {
   return std::abs(nodata) > long_tag && std::abs(stored - nodata) <= long_tag_error * std::abs(nodata);
 }
 
+std::vector<double> DemSource::undeclared_marks(const double* values, std::size_t count) {
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for (std::size_t i = 0; i < count; ++i) {
+    lowest = values[i] < lowest ? values[i] : lowest;
+    highest = values[i] > highest ? values[i] : highest;
+  }
+  std::vector<double> out;
+  const auto look_for = [&](double mark) {
+    if (mark < lowest || mark > highest) return;
+    if (std::find(heights_after_all_.begin(), heights_after_all_.end(), mark) != heights_after_all_.end())
+      return;
+    bool found = false, near = false;
+    for (std::size_t i = 0; i < count && !near; ++i) {
+      found = found || values[i] == mark;
+      near = values[i] != mark && std::abs(values[i] - mark) < near_mark && !is_one_of_marks(values[i]);
+    }
+    if (near) heights_after_all_.push_back(mark);
+    if (found && !near) out.push_back(mark);
+  };
+  for (const double mark : marks_below) look_for(mark);
+  for (const double mark : marks_above)
+    if ((mark * scale + offset) * unit > earth_highest) look_for(mark);
+  return out;
+}
+
 void DemSource::read(std::size_t level, int x, int y, int w, int h, double* out) {
   read_stored(level, x, y, w, h, out);
   const std::size_t count = std::int64_t{w} * h;
@@ -351,14 +354,15 @@ void DemSource::read(std::size_t level, int x, int y, int w, int h, double* out)
       ++report.missing;
       ++report.not_finite;
     }
-  const std::optional<double> sentinel = find_sentinel(out, count);
+  const std::vector<double> marks = undeclared_marks(out, count);
   for (std::size_t i = 0; i < count; ++i) {
     if (std::isnan(out[i])) continue;
     const double height = (out[i] * scale + offset) * unit;
-    if (sentinel && out[i] == *sentinel) {
+    if (std::find(marks.begin(), marks.end(), out[i]) != marks.end()) {
       report.sentinel_value = out[i];
       ++report.sentinel;
     } else if (std::abs(height) > absurd_height) {
+      report.absurd_value = out[i];
       ++report.absurd;
     } else {
       out[i] = height;
@@ -368,56 +372,6 @@ void DemSource::read(std::size_t level, int x, int y, int w, int h, double* out)
     ++report.missing;
   }
   report.pixels += count;
-}
-
-raster::Grid<float> read_window(DemSource& source, const std::array<int, 4>& window, double fx, double fy,
-                                int width, int height, Progress& progress) {
-  raster::Grid<float> out(width, height, raster::no_data);
-  std::size_t level = 0;
-  for (std::size_t i = 1; i < source.levels.size(); ++i) {
-    const Level& coarse = source.levels[i];
-    if (coarse.width * fx >= source.width() * overview_share &&
-        coarse.height * fy >= source.height() * overview_share)
-      level = i;
-  }
-  const Level& from = source.levels[level];
-  const double wide = 1.0 * source.width() / from.width;
-  const double tall = 1.0 * source.height() / from.height;
-  const auto [x, y, w, h] = window;
-  const int left = floor_to(x / wide), top = floor_to(y / tall);
-  const int right = std::min(from.width, ceil_to((x + w) / wide));
-  const int bottom = std::min(from.height, ceil_to((y + h) / tall));
-  const int columns = right - left;
-
-  // A strip is whole blocks, or compressed ones would be unpacked again and again.
-  const int blocks = std::max(1, strip_pixels / columns / from.block_height);
-  const int most_rows = std::max(1, std::min(blocks * from.block_height, strip_pixels / columns));
-  std::vector<double> strip;
-  Averager averager(out, fx, fy);
-  const bool plain = level == 0 && fx == 1 && fy == 1;
-  progress.begin("read", bottom - top, "rows");
-  for (int row = top; row < bottom;) {
-    int rows = std::min(most_rows, bottom - row);
-    if (most_rows >= from.block_height && (row + rows) % from.block_height != 0 && row + rows < bottom)
-      rows -= (row + rows) % from.block_height;
-    strip.resize(std::int64_t{columns} * rows);
-    source.read(level, left, row, columns, rows, strip.data());
-    for (int r = 0; r < rows; ++r) {
-      const double* values = strip.data() + std::int64_t{r} * columns;
-      if (plain) {
-        std::transform(values, values + columns, out.row(row + r - top),
-                       [](double v) { return static_cast<float>(v); });
-      } else {
-        averager.add(values, columns, left * wide - x, wide, (row + r) * tall - y,
-                     std::min<double>((row + r + 1) * tall - y, h));
-      }
-    }
-    progress.advance(rows);
-    row += rows;
-  }
-  if (!plain) averager.finish();
-  progress.end();
-  return out;
 }
 
 }  // namespace tafoni::io::impl

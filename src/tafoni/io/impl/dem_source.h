@@ -2,16 +2,18 @@
 // An opened elevation file: what it says of itself, and its heights by windows, in metres, NaN where missing.
 
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "tafoni/core/progress.h"
 #include "tafoni/io/impl/gdal.h"
-#include "tafoni/raster/grid.h"
 
 namespace tafoni::io::impl {
+
+/// Metres: the deepest sea floor and the highest mountain lie at -10.9 and 8.8 km; beyond these nothing does.
+constexpr double earth_lowest = -12'000, earth_highest = 9'500;
 
 /// One resolution of the file: its own or an overview.
 struct Level {
@@ -23,7 +25,7 @@ struct Level {
 struct ReadReport {
   std::uint64_t pixels = 0, missing = 0;
   std::uint64_t not_finite = 0, absurd = 0, sentinel = 0;  ///< among the missing
-  double sentinel_value = 0;
+  double sentinel_value = 0, absurd_value = 0;
 };
 
 class DemSource {
@@ -41,10 +43,13 @@ class DemSource {
 
   int width() const { return levels.front().width; }
   int height() const { return levels.front().height; }
+  /// Metres between the heights that the file can tell apart; 0 where it stores reals.
+  double step() const { return whole ? std::abs(scale * unit) : 0; }
 
   std::string name;          ///< the path, for error texts
   std::string driver, type;  ///< GDAL's
   bool bytes = false;        ///< 8-bit
+  bool whole = false;        ///< whole numbers are stored
   int bands = 1, band = 1;
   std::vector<Level> levels;  ///< the first is the file's own, then coarser and coarser
   /// Where the file's pixels lie, in CRS units, as GDAL's geotransform says it; meaningful when
@@ -69,11 +74,9 @@ class DemSource {
 
  private:
   bool is_nodata(double stored) const;
+  /// The stored values among `values` that stand for missing data without a tag.
+  std::vector<double> undeclared_marks(const double* values, std::size_t count);
+  std::vector<double> heights_after_all_;  ///< such values near which there are heights
 };
-
-/// Area averages of the file's pixels of a window: pixel (i, j) covers fx by fy of the file's pixels.
-/// Reads by strips from the coarsest level that is fine enough.
-raster::Grid<float> read_window(DemSource& source, const std::array<int, 4>& window, double fx, double fy,
-                                int width, int height, Progress& progress);
 
 }  // namespace tafoni::io::impl

@@ -12,8 +12,19 @@
 
 namespace tafoni::io::impl {
 
-/// Registers the drivers on first use and bounds the block cache.
+/// Sets GDAL up on first use: of its drivers those that read nothing but the file they are given and what
+/// lies beside it, without the network unless it is allowed, and a bounded block cache. A program that has
+/// set GDAL up before keeps it as it is.
 void ensure_gdal();
+
+/// The names of the drivers that may open a file for these GDAL_OF_… flags; ends with null.
+const char* const* listed_drivers(unsigned flags);
+
+/// What a file that none of them takes is instead, and what to do: the end of a sentence, or nothing.
+std::string advice_for(const std::filesystem::path& path, unsigned flags);
+
+/// Makes data sets over memory. It opens none by name.
+GDALDriver& memory_driver();
 
 /// While it lives, GDAL's messages of this thread are collected instead of printed.
 class GdalMessages {
@@ -40,12 +51,10 @@ struct CloseDataset {
 };
 using DatasetPtr = std::unique_ptr<GDALDataset, CloseDataset>;
 
-/// Opens a file for reading. Throws Error{input}: missing, a folder, empty, or nothing GDAL knows as `what`
-/// ("an elevation model"). Names that GDAL itself composes ("NETCDF:file:variable", "/vsizip/…") pass.
+/// Opens a file for reading. Throws Error{input}: missing, a folder, empty, or nothing that is read as `what`
+/// ("an elevation model"), with GDAL's own reason where it has one; and where the file leads to others than
+/// those in its folder. Names of parts of files ("NETCDF:file:variable", "/vsizip/…") pass.
 DatasetPtr open_dataset(const std::filesystem::path& path, unsigned flags, const char* what);
-
-/// Throws Error{input} unless `path` is a file that is there and not empty, or a name GDAL composes.
-void require_file(const std::filesystem::path& path, const char* what);
 
 /// A CRS from WKT whose coordinates are x, y (longitude first). Throws Error{input}.
 OGRSpatialReference crs_from_wkt(const std::string& wkt);

@@ -8,29 +8,21 @@
 #include <charconv>
 #include <cmath>
 
-#include <fcntl.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
+#include "tafoni/core/input_file.h"
 #include "tafoni/core/random.h"
 
 namespace tafoni::io::impl {
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0)
-    fail(ErrorKind::input, "{}: cannot be opened ({}); check the path.", path.string(), std::strerror(errno));
-  struct stat info = {};
-  const bool regular = ::fstat(fd, &info) == 0 && S_ISREG(info.st_mode);
-  size_ = regular ? info.st_size : 0;
-  if (size_ > 0) data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, fd, 0);
-  const int mapped = errno;
-  ::close(fd);
-  if (!regular) fail(ErrorKind::input, "{}: not a regular file; give the path of a file.", path.string());
+  const InputFile file(path);
+  size_ = file.size();
   if (size_ == 0) fail(ErrorKind::input, "{}: the file is empty; write it again.", path.string());
-  if (data_ == MAP_FAILED)
-    fail(ErrorKind::input, "{}: cannot be read ({}).", path.string(), std::strerror(mapped));
+  data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.descriptor(), 0);
+  if (data_ != MAP_FAILED) return;
+  data_ = nullptr;
+  fail(ErrorKind::input, "{}: cannot be read ({}).", path.string(), std::strerror(errno));
 }
 
 MappedFile::~MappedFile() {

@@ -85,9 +85,7 @@ void write_tiff(const fs::path& path, const Tiff& tiff, F&& f) {
 /// A picture of 16 bits without a word on where it lies.
 template <class F>
 void write_png(const fs::path& path, F&& f) {
-  impl::ensure_gdal();
-  const impl::DatasetPtr memory(
-      GetGDALDriverManager()->GetDriverByName("MEM")->Create("", side, side, 1, GDT_UInt16, nullptr));
+  const impl::DatasetPtr memory(impl::memory_driver().Create("", side, side, 1, GDT_UInt16, nullptr));
   std::vector<double> row(side);
   for (int r = 0; r < side; ++r) {
     for (int c = 0; c < side; ++c) row[c] = f(c, r);

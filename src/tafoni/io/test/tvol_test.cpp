@@ -176,7 +176,7 @@ TEST_F(Tvol, RefusesOtherVersionsFormatsAndValues) {
                    [](Vec3i, std::span<float> row) { row[0] = std::numeric_limits<float>::quiet_NaN(); });
   write_volume(path("b.tvol"), volume);
   EXPECT_THAT(sentence(bytes("b.tvol")), HasSubstr("not finite"));
-  EXPECT_THAT(error_of([&] { read_volume(path("none.tvol")); }), HasSubstr("none.tvol: cannot be opened"));
+  EXPECT_THAT(error_of([&] { read_volume(path("none.tvol")); }), HasSubstr("none.tvol: does not exist"));
   EXPECT_THAT(error_of([&] { read_volume(path("a.ply")); }), HasSubstr("cannot be read as a volume"));
 }
 

@@ -288,7 +288,9 @@ void set(Document& document, std::string_view assignment) {
 }
 
 Document load_scene(const std::filesystem::path& file) {
-  Document document = parse_scene(io::read_text(file, std::uint64_t{1} << 26), file);
+  // Words of the largest scene take some hundred kilobytes; a file far beyond is another one.
+  constexpr std::uint64_t largest_scene = std::uint64_t{16} << 20;
+  Document document = parse_scene(io::read_text(file, largest_scene), file);
   document.directory = follow_links(file).parent_path();
   return document;
 }

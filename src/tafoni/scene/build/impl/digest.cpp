@@ -7,7 +7,8 @@
 #include <cstring>
 #include <fstream>
 #include <string>
-#include <vector>
+
+#include "tafoni/io/inner/data_files.h"
 
 namespace tafoni::scene::impl {
 namespace {
@@ -15,15 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t read_whole = std::uint64_t{1} << 24;  // bytes
-
-/// Whether GDAL may read `name` along with a file of this stem.
-bool goes_with(std::string_view name, const std::string& stem) {
-  static constexpr std::string_view endings[] = {".aux.xml", ".msk", ".ovr", ".tfw", ".wld", ".pgw",
-                                                 ".jgw",     ".prj", ".hdr", ".dbf", ".shx", ".cpg"};
-  if (!name.starts_with(stem + ".")) return false;
-  name.remove_prefix(stem.size());
-  return std::find(std::begin(endings), std::end(endings), name) != std::end(endings);
-}
 
 }  // namespace
 
@@ -63,23 +55,9 @@ Digest FileDigests::one(const fs::path& file) {
 }
 
 Digest FileDigests::of(const fs::path& file) {
-  std::error_code code;
-  std::vector<fs::path> parts;
-  if (fs::is_directory(file, code)) {
-    for (const auto& entry : fs::recursive_directory_iterator(file, code))
-      if (entry.is_regular_file(code)) parts.push_back(entry.path());
-  } else {
-    const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
-    const std::string name = file.filename().string();
-    for (const auto& entry : fs::directory_iterator(folder, code)) {
-      const std::string other = entry.path().filename().string();
-      if (other != name && (goes_with(other, file.stem().string()) || goes_with(other, name)))
-        parts.push_back(entry.path());
-    }
-  }
-  std::sort(parts.begin(), parts.end());
-  Digest digest = one(file);
-  for (const fs::path& part : parts) digest.add(std::string_view(part.filename().native())).add(one(part));
+  Digest digest;
+  for (const fs::path& part : io::data_files(file))
+    digest.add(std::string_view(part.filename().native())).add(one(part));
   return digest;
 }
 

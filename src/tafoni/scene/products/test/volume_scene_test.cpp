@@ -314,7 +314,7 @@ TEST_F(VolumeScene, WrongInputsAreOneSentence) {
     return failure([&] { build(document("[[layer]]\ntype = \"volume\"\n" + layer)); });
   };
   EXPECT_THAT(said(""), HasSubstr("needs file"));
-  EXPECT_THAT(said("file = \"none.tvol\"\n"), HasSubstr("none.tvol: cannot be opened"));
+  EXPECT_THAT(said("file = \"none.tvol\"\n"), HasSubstr("none.tvol: does not exist"));
   EXPECT_THAT(said("file = \"s.glb\"\n"), HasSubstr("cannot be read as a volume"));
   EXPECT_THAT(said("file = \"ball.tvol\"\nmode = \"cut\"\n"), HasSubstr("carve"));
   EXPECT_THAT(said("file = \"ball.tvol\"\naltitude = [0, 5]\n"), HasSubstr("leave out region"));

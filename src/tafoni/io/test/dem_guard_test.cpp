@@ -1,0 +1,211 @@
+// What a file may make GDAL read beyond itself, and what is no file at all. All inputs are harmless; what
+// counts is that they are refused before GDAL gets them.
+
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+
+#include "tafoni/io/inner/data_files.h"
+#include "tafoni/io/network.h"
+#include "tafoni/io/test/dem_inputs.h"
+#include "tafoni/io/vector.h"
+
+namespace tafoni::io {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+class DemGuard : public testing::Test {
+ protected:
+  DemGuard() {
+    fs::create_directories(inside / "tiles");
+    write_tiff(inside / "tiles" / "own.tif", {.width = 8, .height = 8}, height);
+    write_tiff(folder_.path / "other.tif", {.width = 8, .height = 8}, height);
+  }
+  fs::path put(const std::string& name, const std::string& text) const {
+    std::ofstream(inside / name, std::ios::binary) << text;
+    return inside / name;
+  }
+  /// A mosaic of one tile; `more` goes into its band, `head` before it.
+  static std::string mosaic(const std::string& source, const std::string& more = "",
+                            const std::string& head = "", const std::string& band = "") {
+    return R"(<VRTDataset rasterXSize="8" rasterYSize="8"><GeoTransform>0,10,0,80,0,-10</GeoTransform>)" +
+           head + R"(<VRTRasterBand dataType="Float32" band="1")" + band + ">" + more +
+           "<SimpleSource><SourceFilename relativeToVRT=\"1\">" + source +
+           "</SourceFilename><SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>";
+  }
+  std::string refusal(const fs::path& path) const {
+    const Thrown read = thrown_by([&] { read_dem(path); }), told = thrown_by([&] { inspect_dem(path); });
+    EXPECT_EQ(read.kind, ErrorKind::input) << read.text;
+    EXPECT_EQ(read.text, told.text);
+    EXPECT_THAT(read.text, HasSubstr(path.filename().string()));
+    return read.text;
+  }
+
+  const TestFolder folder_;
+  const fs::path inside = folder_.path / "given";
+};
+
+TEST_F(DemGuard, MosaicsOfTilesBesideThemAreRead) {
+  for (const std::string& source :
+       {std::string("tiles/own.tif"), (inside / "tiles" / "own.tif").string(), std::string("a.vrt")}) {
+    const Dem dem = read_dem(put(source == "a.vrt" ? "b.vrt" : "a.vrt", mosaic(source)));
+    EXPECT_EQ(at(dem.raster, 3, 5), height(3, 5)) << source;
+  }
+}
+
+TEST_F(DemGuard, MosaicsKeepToTheirFolder) {
+  for (const std::string& source :
+       {std::string("../other.tif"), (folder_.path / "other.tif").string(),
+        std::string("tiles/../../other.tif"), std::string("../missing.tif"), std::string("link.tif")}) {
+    std::error_code code;
+    fs::create_symlink(folder_.path / "other.tif", inside / "link.tif", code);
+    EXPECT_THAT(refusal(put("out.vrt", mosaic(source))), HasSubstr("does not lie in its folder")) << source;
+  }
+  // Nor through another mosaic, an overview or a mask.
+  put("first.vrt", mosaic("../other.tif"));
+  EXPECT_THAT(refusal(put("second.vrt", mosaic("first.vrt"))), HasSubstr("does not lie in its folder"));
+  const std::string other = "<SourceFilename>" + (folder_.path / "other.tif").string() + "</SourceFilename>";
+  EXPECT_THAT(refusal(put("c.vrt", mosaic("tiles/own.tif", "<Overview>" + other + "</Overview>"))),
+              HasSubstr("does not lie in its folder"));
+  EXPECT_THAT(
+      refusal(
+          put("d.vrt", mosaic("tiles/own.tif", "",
+                              "<MaskBand><VRTRasterBand dataType=\"Byte\"><SimpleSource>" + other +
+                                  "<SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></MaskBand>"))),
+      HasSubstr("does not lie in its folder"));
+}
+
+TEST_F(DemGuard, MosaicsAreNoMoreThanMosaics) {
+  for (const std::string& text :
+       {mosaic("tiles/own.tif", "", "", " subClass=\"VRTRawRasterBand\""),
+        mosaic("tiles/own.tif", "<PixelFunctionType>real</PixelFunctionType>", "",
+               " subClass=\"VRTDerivedRasterBand\""),
+        mosaic("tiles/own.tif", "", "<GDALWarpOptions/>"),
+        mosaic("tiles/own.tif", "",
+               "<Metadata domain=\"OVERVIEWS\"><MDI key=\"OVERVIEW_FILE\">x</MDI></Metadata>")})
+    EXPECT_THAT(refusal(put("more.vrt", text)), HasSubstr("more than a mosaic"));
+  EXPECT_THAT(refusal(put("cut.vrt", mosaic("tiles/own.tif").substr(0, 200))), HasSubstr("cannot be read"));
+}
+
+TEST_F(DemGuard, WhatIsNoPathIsNoTile) {
+  for (const char* source : {"MEM:::DATAPOINTER=0,PIXELS=2,LINES=2", "&lt;VRTDataset/&gt;", "NETCDF:a.nc:z",
+                             "/vsistdin/", "PG:dbname=x"})
+    EXPECT_THAT(refusal(put("odd.vrt", mosaic(source))), HasSubstr("odd.vrt names")) << source;
+}
+
+TEST_F(DemGuard, NothingIsFetchedUnasked) {
+  for (const char* url :
+       {"http://127.0.0.1:9/a.tif", "/vsicurl/http://127.0.0.1:9/a.tif", "/vsis3/bucket/a.tif",
+        "http:/127.0.0.1:9/a.tif", "/vsizip//vsicurl/http://127.0.0.1:9/a.zip/a.tif"}) {
+    EXPECT_THAT(thrown_by([&] { read_dem(url); }).text, HasSubstr("--allow-network")) << url;
+    EXPECT_THAT(thrown_by([&] { read_polygons(url, ""); }).text, HasSubstr("--allow-network")) << url;
+    EXPECT_THAT(refusal(put("web.vrt", mosaic(url))), HasSubstr("--allow-network")) << url;
+  }
+  // Nor for a coordinate system, which a stranger's file may name.
+  DemOptions options;
+  options.crs = "http://127.0.0.1:9/crs.wkt";
+  EXPECT_THAT(thrown_by([&] { read_dem(inside / "tiles" / "own.tif", options); }).text,
+              HasSubstr("not understood"));
+  EXPECT_FALSE(network_allowed());
+}
+
+TEST_F(DemGuard, NamesThatGdalComposesAreNotOpened) {
+  for (const char* name : {"MEM:::DATAPOINTER=0,PIXELS=2,LINES=2", "<VRTDataset/>", "WMS:x", "/vsistdin/",
+                           "/vsisubfile/0_10,/etc/hostname", "PG:dbname=x", "NETCDF:none.nc:z"})
+    EXPECT_THAT(thrown_by([&] { read_dem(name); }).kind, ErrorKind::input) << name;
+  EXPECT_EQ(impl::memory_driver().GetDescription(), std::string("MEM"));
+  EXPECT_EQ(GetGDALDriverManager()->GetDriverByName("MEM"), nullptr);
+  EXPECT_EQ(GetGDALDriverManager()->GetDriverByName("WMS"), nullptr);
+}
+
+TEST_F(DemGuard, FilesThatAreNotWhatTheirNameSaysNameNoOthers) {
+  EXPECT_THAT(refusal(put("dem.tif", mosaic("tiles/own.tif"))), HasSubstr("end its name in .vrt"));
+  EXPECT_THAT(refusal(put("wms.tif",
+                          "<GDAL_WMS><Service name=\"TMS\"><ServerUrl>http://127.0.0.1:9/"
+                          "${z}/${x}/${y}.png</ServerUrl></Service></GDAL_WMS>")),
+              HasSubstr("none of the formats that are read"));
+  const fs::path region = put("region.geojson", "<OGRVRTDataSource><OGRVRTLayer name=\"a\"><SrcDataSource>" +
+                                                    (inside / "b.geojson").string() +
+                                                    "</SrcDataSource></OGRVRTLayer></OGRVRTDataSource>");
+  EXPECT_THAT(thrown_by([&] { read_polygons(region, ""); }).text, HasSubstr("none of the formats"));
+}
+
+TEST_F(DemGuard, PipesAndDevicesAreRefusedAtOnce) {
+  const fs::path pipe = inside / "pipe.tif";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(refusal(pipe), HasSubstr("is a pipe or a device"));
+  EXPECT_THAT(refusal("/dev/zero"), HasSubstr("is a pipe or a device"));
+  EXPECT_THAT(thrown_by([&] { read_polygons(pipe, ""); }).text, HasSubstr("is a pipe or a device"));
+  // Beside a file, where GDAL would open it.
+  ASSERT_EQ(::mkfifo((inside / "tiles" / "own.tif.aux.xml").c_str(), 0600), 0);
+  EXPECT_THAT(refusal(inside / "tiles" / "own.tif"), HasSubstr("no such file as its name says"));
+  const fs::path piped = put("piped.vrt", mosaic("tiles/own.tif"));
+  EXPECT_THAT(thrown_by([&] { read_dem(piped); }).text, HasSubstr("no such file as its name says"));
+}
+
+TEST_F(DemGuard, SideFilesDoNotLeadElsewhere) {
+  put("tiles/own.tif.aux.xml", "<PAMDataset><Metadata domain=\"OVERVIEWS\"><MDI key=\"OVERVIEW_FILE\">" +
+                                   (folder_.path / "other.tif").string() + "</MDI></Metadata></PAMDataset>");
+  EXPECT_THAT(refusal(inside / "tiles" / "own.tif"), HasSubstr("overviews in another file"));
+  fs::remove(inside / "tiles" / "own.tif.aux.xml");
+  put("tiles/own.tif.ovr", mosaic("../../other.tif"));
+  EXPECT_THAT(refusal(inside / "tiles" / "own.tif"), HasSubstr("no such file as its name says"));
+}
+
+TEST_F(DemGuard, FoldersAreNotLookedInto) {
+  EXPECT_THAT(refusal(inside), HasSubstr("is a folder"));
+  EXPECT_THAT(data_files(inside / "none"), testing::IsEmpty());
+  put("tiles/own.tfw", "1");
+  put("tiles/own.tif.OVR", "1");
+  put("tiles/other.tfw", "1");
+  EXPECT_THAT(data_files(inside / "tiles" / "own.tif"),
+              testing::UnorderedElementsAre(inside / "tiles" / "own.tif", inside / "tiles" / "own.tfw",
+                                            inside / "tiles" / "own.tif.OVR"));
+  EXPECT_THAT(data_files("/vsizip/" + (inside / "tiles" / "own.tif").string() + "/a.tif"),
+              testing::Contains(inside / "tiles" / "own.tif"));
+  EXPECT_THAT(data_files("NETCDF:\"" + (inside / "tiles" / "own.tif").string() + "\":z"),
+              testing::Contains(inside / "tiles" / "own.tif"));
+}
+
+TEST_F(DemGuard, WhatIsBesideTheDataIsNamed) {
+  // Raw pixels with their header: either name of the header leads to the data.
+  std::string pixels(4 * 4 * 4, '\0');
+  put("raw.img", pixels);
+  const fs::path header = put("raw.hdr",
+                              "ENVI\nsamples = 4\nlines = 4\nbands = 1\nheader offset = 0\nfile type = ENVI "
+                              "Standard\ndata type = 4\ninterleave = bsq\nbyte order = 0\n");
+  EXPECT_THAT(refusal(header), HasSubstr((inside / "raw.img").string()));
+  // Points whose rows run to and fro: GDAL says where.
+  std::string snake;
+  for (int r = 0; r < 6; ++r)
+    for (int c = 0; c < 6; ++c)
+      snake += fmt::format("{}.5 {}.5 {}.25\n", r % 2 == 0 ? 1000 + c : 1005 - c, 2000 - r, 50 + c);
+  EXPECT_THAT(refusal(put("snake.xyz", snake)), HasSubstr("spacing"));
+  EXPECT_THAT(refusal(put("alps.hgt", std::string(2 * 1201 * 1201, '\1'))), HasSubstr("N43E005.hgt"));
+}
+
+TEST_F(DemGuard, ArchivesAreEntered) {
+  const std::string archive = (inside / "tile.zip").string();
+  VSILFILE* const out = VSIFOpenL(("/vsizip/" + archive + "/data/readme.txt").c_str(), "wb");
+  ASSERT_NE(out, nullptr);
+  VSIFWriteL("words", 1, 5, out);
+  VSIFCloseL(out);
+  EXPECT_THAT(refusal(archive), HasSubstr("holds nothing that is read"));
+  const std::string inner = "/vsizip/" + archive + "/data/dtm.asc";
+  VSILFILE* const grid = VSIFOpenL(inner.c_str(), "wb");
+  const std::string text = "ncols 3\nnrows 2\n" + at_home + "\n1 2 3\n4 5 6\n" + std::string(100, ' ');
+  VSIFWriteL(text.data(), 1, text.size(), grid);
+  VSIFCloseL(grid);
+  EXPECT_THAT(refusal(archive), HasSubstr("name the file in it: " + inner));
+  EXPECT_EQ(at(read_dem(inner).raster, 2, 1), 6);
+  const std::string hidden = "/vsizip/" + archive + "/data/a.vrt";
+  VSILFILE* const vrt = VSIFOpenL(hidden.c_str(), "wb");
+  const std::string names = mosaic((folder_.path / "other.tif").string());
+  VSIFWriteL(names.data(), 1, names.size(), vrt);
+  VSIFCloseL(vrt);
+  EXPECT_THAT(refusal(hidden), HasSubstr("a mosaic within an archive"));
+}
+
+}  // namespace
+}  // namespace tafoni::io
