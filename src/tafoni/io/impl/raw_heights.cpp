@@ -35,7 +35,6 @@ struct Layout {
   bool big = false;
 
   std::uintmax_t bytes() const { return std::uintmax_t{1} * width * height * (bits / 8); }
-  const char* order() const { return big ? "big-endian" : "little-endian"; }
 };
 
 double number_at(const unsigned char* at, const Layout& layout) {
@@ -58,31 +57,34 @@ class RawSource final : public DemSource {
     levels.push_back({layout.width, layout.height, 1});
   }
 
-  /// Says which order of bytes is right where nobody has said so; whether the heights are smooth in it.
+  /// Finds the order of bytes where nobody has said it; whether the heights are smooth in it.
   bool judge(ByteOrder said) {
-    if (said != ByteOrder::automatic || layout_.bits == 8) {
-      layout_.big = said == ByteOrder::big;
-      return roughness() < smooth_raw;
+    layout_.big = said == ByteOrder::big;
+    double rough = roughness();
+    if (said == ByteOrder::automatic && layout_.bits > 8) {
+      layout_.big = true;
+      const double big = roughness();
+      layout_.big = big < rough * clearly_smoother;
+      told_ = layout_.big || rough < big * clearly_smoother;
+      rough = std::min(rough, big);
     }
-    const double little = roughness();
-    layout_.big = true;
-    const double big = roughness();
-    layout_.big = big < little * clearly_smoother;
-    told_ = layout_.big || little < big * clearly_smoother;
-    return std::min(big, little) < smooth_raw;
+    return smooth_ = rough < smooth_raw;
   }
 
   void tell(ByteOrder said) {
-    std::string numbers = "bytes";
-    if (layout_.bits > 8)
-      numbers =
-          fmt::format("{} {}", layout_.order(), layout_.bits == 16 ? "16-bit heights" : "32-bit floats");
-    std::string how;
-    if (said == ByteOrder::automatic && layout_.bits > 8)
-      how = told_ ? " (that order is the smoother one)"
-                  : " (nothing tells the order of its bytes; terrain.byte_order does)";
+    std::string numbers = "bytes", how;
+    if (layout_.bits > 8) {
+      const char* order = layout_.big ? "big-endian" : "little-endian";
+      numbers = fmt::format("{} {}", order, layout_.bits == 16 ? "16-bit heights" : "32-bit floats");
+      if (said == ByteOrder::automatic)
+        how = told_ ? " (that order is the smoother one)"
+                    : " (nothing tells the order of its bytes; terrain.byte_order does)";
+    }
     notes.push_back(
         fmt::format("has no header; taken as {} x {} {}{}.", layout_.width, layout_.height, numbers, how));
+    if (!smooth_)
+      notes.push_back(
+          "its numbers jump about as no ground does; check terrain.raw_size and terrain.byte_order.");
   }
 
  private:
@@ -126,7 +128,7 @@ class RawSource final : public DemSource {
 
   Layout layout_;
   std::ifstream file_;
-  bool told_ = true;
+  bool told_ = true, smooth_ = true;
 };
 
 /// The bits a height that the end of a name speaks of; 0 where it does not say, nothing for other names.

@@ -61,9 +61,12 @@ const std::vector<ParamInfo>& terrain_params() {
           .integer("band", &S::band, "", 0, 65535, "Band of the source, from 1; 0 finds the elevations")
           .real("pixel_size", &S::pixel_size, "m", 0, 1e5,
                 "Pixel size of a source without georeference; 0 means 1 m")
-          .choice("encoding", &S::encoding, {"auto", "heights", "heightmap", "terrain-rgb", "terrarium"},
-                  "How the source's numbers mean heights: as they stand, 512 m from black to white as in "
-                  "game engines, or in Mapbox's or Mapzen's colours; auto tells it from the source")
+          .choice(
+              "encoding", &S::encoding,
+              {"auto", "heights", "heightmap", "terrain-rgb", "mapbox", "terrarium"},
+              "How the source's numbers mean heights: as they stand, 512 m from black to white as in "
+              "game engines, or in the colours of Mapbox's Terrain-RGB, also called mapbox, or of Mapzen's "
+              "Terrarium; auto tells it from the source")
           .real(
               "height_scale", &S::height_scale, "m", -1e5, 1e5,
               "Metres in a stored unit of height, negative for depths, which are positive downwards; 0 takes "

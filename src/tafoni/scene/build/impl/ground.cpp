@@ -48,11 +48,10 @@ void add_part(impl::Digest& to, const Layer& words) {
 
 io::DemOptions dem_options(const TerrainSection& words) {
   using Encoding = io::HeightEncoding;
-  static const std::map<std::string_view, Encoding> encodings = {{"auto", Encoding::automatic},
-                                                                 {"heights", Encoding::heights},
-                                                                 {"heightmap", Encoding::heightmap},
-                                                                 {"terrain-rgb", Encoding::terrain_rgb},
-                                                                 {"terrarium", Encoding::terrarium}};
+  static const std::map<std::string_view, Encoding> encodings = {
+      {"auto", Encoding::automatic},      {"heights", Encoding::heights},
+      {"heightmap", Encoding::heightmap}, {"terrain-rgb", Encoding::terrain_rgb},
+      {"mapbox", Encoding::terrain_rgb},  {"terrarium", Encoding::terrarium}};
   static const std::map<std::string_view, io::ByteOrder> orders = {
       {"auto", io::ByteOrder::automatic}, {"little", io::ByteOrder::little}, {"big", io::ByteOrder::big}};
   const auto pixels = [](const std::vector<double>& from, auto to) {
