@@ -11,6 +11,7 @@
 #include <fstream>
 #include <limits>
 #include <optional>
+#include <string_view>
 
 #include "tafoni/io/impl/stored_heights.h"
 #include "tafoni/math/whole.h"
@@ -70,6 +71,8 @@ class RawSource final : public DemSource {
     }
     return smooth_ = rough < smooth_raw;
   }
+
+  bool varies() { return roughness() > 0; }
 
   void tell(ByteOrder said) {
     std::string numbers = "bytes", how;
@@ -171,6 +174,25 @@ std::vector<Layout> layouts_of(std::uintmax_t size, const std::array<int, 2>& sa
        path.string(), size, of);
 }
 
+/// Whether a name ends as those of another format do: such a file has lost what makes it one, its header or
+/// the place that its name said.
+bool named_otherwise(const std::filesystem::path& path) {
+  constexpr std::array<std::string_view, 4> rows_with_header = {"flt", "bip", "bsq", "bil"};
+  std::string end = path.extension().string();
+  if (end.empty()) return false;
+  end.erase(0, 1);
+  std::transform(end.begin(), end.end(), end.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (std::find(rows_with_header.begin(), rows_with_header.end(), end) != rows_with_header.end()) return true;
+  ensure_gdal();
+  GDALDriverManager& drivers = *GetGDALDriverManager();
+  for (int i = 0; i < drivers.GetDriverCount(); ++i) {
+    const char* const known = drivers.GetDriver(i)->GetMetadataItem(GDAL_DMD_EXTENSIONS);
+    if (known != nullptr && fmt::format(" {} ", known).find(" " + end + " ") != std::string::npos)
+      return true;
+  }
+  return false;
+}
+
 bool known_to_gdal(const std::filesystem::path& path) {
   GdalMessages messages;
   return GDALIdentifyDriver(path.c_str(), nullptr) != nullptr;
@@ -186,7 +208,8 @@ std::unique_ptr<DemSource> open_raw(const std::filesystem::path& path, const Dem
   const bool said = options.raw_size[0] > 0;
   const std::optional<int> named = bits_named(path);
   const std::vector<Layout> fitting = layouts_of(size, options.raw_size, named.value_or(0));
-  if (fitting.empty() && !said && !named) return nullptr;
+  const bool told = said || named;
+  if (!told && (fitting.empty() || named_otherwise(path))) return nullptr;
   // Such a file may belong to a header beside it.
   if (known_to_gdal(path)) return nullptr;
   if (fitting.empty()) fail_size(path, size, options, named.value_or(0));
@@ -199,7 +222,7 @@ std::unique_ptr<DemSource> open_raw(const std::filesystem::path& path, const Dem
     best = std::move(source);
     smooth = judged;
   }
-  if (!named && !said && !smooth) return nullptr;
+  if (!told && !(smooth && best->varies())) return nullptr;
   best->tell(options.byte_order);
   return best;
 }

@@ -103,13 +103,13 @@ TEST(Heightmap, SixteenBitsOfGreyMeanTheSameInAnyFile) {
                 {.type = GDT_UInt16, .bands = {grey16, [](int, int) { return 65535; }}});
   write_tiff(temporary("float_units.tif"), {.transform = std::nullopt}, grey16);
   const auto word = [](int c, int r) { return static_cast<std::uint32_t>(grey16(c, r)); };
-  for (const char* name : {"little.raw", "little.r16", "little.dat", "little"})
+  for (const char* name : {"little.raw", "little.r16", "little.heights", "little"})
     written(name, bytes_of(side, side, 2, false, word));
-  for (const char* name : {"big.raw", "big.r16", "big.bin"})
+  for (const char* name : {"big.raw", "big.r16", "big.heightmap"})
     written(name, bytes_of(side, side, 2, true, word));
   for (const char* name :
        {"grey16.tif", "grey16.png", "grey16_rgb.png", "grey16_alpha.png", "float_units.tif", "little.raw",
-        "little.r16", "little.dat", "little", "big.raw", "big.r16", "big.bin"}) {
+        "little.r16", "little.heights", "little", "big.raw", "big.r16", "big.heightmap"}) {
     const Dem dem = read_dem(temporary(name));
     EXPECT_LT(off_by(dem, metres), 1e-4) << name;
     EXPECT_THAT(joined(dem.notes), AllOf(HasSubstr("1/128 m"), HasSubstr("terrain.height_scale"))) << name;
@@ -202,6 +202,11 @@ TEST(Heightmap, BytesAndOddSizesAreTold) {
   std::string noise;
   for (int i = 0; i < 2 * 64 * 64; ++i) noise += static_cast<char>(random.below(256));
   EXPECT_THAT(thrown_by([&] { read_dem(written("noise.bin", noise)); }).text, HasSubstr("cannot be read"));
+  // A tile or the rows of a file that has lost its name or header are no heightmap.
+  const auto rows =
+      bytes_of(side, side, 2, true, [](int c, int r) { return std::lround(300 * shape(c, r)); });
+  for (const char* name : {"alps.hgt", "rows.bil", "rows.flt", "rows.TIF"})
+    EXPECT_THAT(thrown_by([&] { read_dem(written(name, rows)); }).text, HasSubstr("cannot be read")) << name;
   EXPECT_THAT(joined(read_dem(written("noise.r16", noise)).notes), HasSubstr("its numbers jump about"));
 }
 
