@@ -8,6 +8,7 @@
 #include "tafoni/core/atomic_file.h"
 #include "tafoni/core/error.h"
 #include "tafoni/io/format.h"
+#include "tafoni/io/source_name.h"
 
 namespace tafoni::cli {
 
@@ -42,7 +43,9 @@ void SceneOptions::apply(scene::Document& document) const {
   if (!dem.empty()) {
     const scene::TerrainSection own = document.terrain;
     document.terrain = {};
-    document.terrain.source = fs::absolute(dem).string();
+    scene::Document here;
+    here.directory = fs::current_path();
+    document.terrain.source = here.resolve(dem).string();
     document.terrain.influence = own.influence;
     document.terrain.amplitude = own.amplitude;
     document.terrain.interpolation = own.interpolation;
@@ -109,7 +112,7 @@ bool is_mesh_file(const std::string& path) {
 std::vector<fs::path> inputs_of(const scene::Document& document) {
   std::vector<fs::path> out;
   const auto add = [&](const std::string& path) {
-    if (!path.empty()) out.push_back(document.resolve(path));
+    if (!path.empty()) out.push_back(io::split_source(document.resolve(path).string(), {}).file);
   };
   add(document.terrain.source);
   add(document.terrain.domain);

@@ -182,12 +182,13 @@ std::string scene_text(const scene::Document& d) {
 }
 
 /// What a file of elevations or a volume holds, as JSON and as text.
-std::pair<Json, std::string> source_of(const std::string& file, int band, Console& console) {
+std::pair<Json, std::string> source_of(const std::string& file, const io::DemOptions& options,
+                                       Console& console) {
   if (io::can(file, io::Ability::read_volume)) {
     const Json json = volume_json(file, io::read_volume(file, console));
     return {json, volume_text(json)};
   }
-  const io::DemInfo dem = io::inspect_dem(file, band, console);
+  const io::DemInfo dem = io::inspect_dem(file, options, console);
   return {dem_json(file, dem), dem_text(file, dem)};
 }
 
@@ -197,7 +198,7 @@ int run(const std::string& file, Console& console) {
     return 0;
   };
   if (!is_scene_file(file)) {
-    const auto [json, text] = source_of(file, 0, console);
+    const auto [json, text] = source_of(file, {}, console);
     return print(json, text);
   }
   const scene::Document document = scene::load_scene(file);
@@ -205,7 +206,7 @@ int run(const std::string& file, Console& console) {
   std::string text = scene_text(document);
   if (!document.terrain.source.empty()) {
     const std::string source = document.resolve(document.terrain.source).string();
-    const auto [own, lines] = source_of(source, static_cast<int>(document.terrain.band), console);
+    const auto [own, lines] = source_of(source, scene::dem_options(document.terrain), console);
     json["source"] = own;
     text += lines;
   }

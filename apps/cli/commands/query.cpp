@@ -2,7 +2,6 @@
 // read from CSV.
 #include <algorithm>
 #include <iostream>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <numbers>

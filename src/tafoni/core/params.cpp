@@ -9,6 +9,7 @@
 #include <sstream>
 #include <utility>
 
+#include "tafoni/core/byte_text.h"
 #include "tafoni/core/error.h"
 
 namespace tafoni {
@@ -168,7 +169,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 std::string quote(const std::string& text) {
   std::string out = "\"";
-  for (const char c : text) {
+  for (const char c : to_utf8(text)) {
     const auto byte = static_cast<unsigned char>(c);
     if (c == '"' || c == '\\')
       out += {'\\', c};

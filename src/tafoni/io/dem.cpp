@@ -70,7 +70,11 @@ void check_options(const DemOptions& options) {
   };
   check(options.resolution, "resolution");
   check(options.pixel_size, "pixel size");
-  if (!std::isfinite(options.height_scale)) fail(ErrorKind::usage, "height scale must be a finite number.");
+  if (!std::isfinite(options.height_scale) || !std::isfinite(options.height_offset))
+    fail(ErrorKind::usage, "height scale and offset must be finite numbers.");
+  const auto [columns, rows] = options.raw_size;
+  if ((columns != 0 || rows != 0) && (columns < 2 || rows < 2))
+    fail(ErrorKind::usage, "raw_size = {}, {} must be at least 2 columns and 2 rows.", columns, rows);
   if (std::isnan(options.fill_distance)) fail(ErrorKind::usage, "fill distance must be a number of metres.");
 }
 
@@ -194,9 +198,9 @@ class Reader {
   Reader(const std::filesystem::path& path, const DemOptions& options, Progress& progress)
       : options_(options),
         progress_(progress),
-        source_(impl::DemSource::open(path, options.band, options.height_scale)),
+        source_(impl::DemSource::open(path, options)),
         window_(check_window(*source_, options)),
-        frame_(impl::metric_frame(*source_, window_, options.pixel_size, options.crs)) {}
+        frame_(impl::metric_frame(*source_, window_, options)) {}
 
   Dem read() {
     if (frame_.degrees_wide > widest_map)
@@ -395,12 +399,13 @@ Dem read_dem(const std::filesystem::path& path, const DemOptions& options, Progr
   }
 }
 
-DemInfo inspect_dem(const std::filesystem::path& path, int band, Progress& progress) {
-  const auto source = impl::DemSource::open(path, band, 0);
+DemInfo inspect_dem(const std::filesystem::path& path, const DemOptions& options, Progress& progress) {
+  check_options(options);
+  const auto source = impl::DemSource::open(path, options);
   const auto window = check_window(*source, {});
   DemInfo info;
   describe(*source, info);
-  const impl::Frame frame = impl::metric_frame(*source, window, 0, "");
+  const impl::Frame frame = impl::metric_frame(*source, window, options);
   info.notes = source->notes;
   if (frame.degrees_wide > widest_map)
     info.notes.push_back(why_too_wide(*source, frame.degrees_wide));

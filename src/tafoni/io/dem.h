@@ -13,6 +13,22 @@
 
 namespace tafoni::io {
 
+/// How a file's numbers mean heights.
+enum class HeightEncoding {
+  automatic,    ///< told from what the file says and holds
+  heights,      ///< as they stand, in the unit that the file names or else in metres
+  heightmap,    ///< an engine's: 512 m from black to white, or from 0 to 1
+  terrain_rgb,  ///< Mapbox's: tenths of a metre from -10000 m, in three bytes of colour
+  terrarium     ///< Mapzen's: 1/256 m from -32768 m, in three bytes of colour
+};
+
+/// Which byte of a number comes first in a file without a header.
+enum class ByteOrder {
+  automatic,  ///< that in which the terrain is smoother
+  little,     ///< the least significant
+  big
+};
+
 struct DemOptions {
   /// X, Y, W, H in pixels of the file, counted from the row that is stored first, as gdal_translate -srcwin
   /// counts them.
@@ -25,9 +41,18 @@ struct DemOptions {
   bool smooth = false;  ///< removes the terraces of 8-bit and stepped data, moving heights by half a step
   /// Metres a pixel of a file without georeference; 0 means 1 m.
   double pixel_size = 0;
-  /// Metres a unit of stored height, in place of what the file says; 0: the file's own. 16-bit heightmap
-  /// pictures (.png, .r16) say nothing and count 1/128 m a unit (512 m from black to white).
+  HeightEncoding encoding = HeightEncoding::automatic;
+  /// Metres a unit of stored height, in place of what the file says; 0: the file's own. Negative for depths,
+  /// which are positive downwards. Engines' heightmaps say nothing and count 512 m from black to white, or
+  /// from 0 to 1.
   double height_scale = 0;
+  double height_offset = 0;  ///< metres, added to every height
+  /// Columns and rows of a file without a header; 0: as many of either as fill it.
+  std::array<int, 2> raw_size{};
+  ByteOrder byte_order = ByteOrder::automatic;
+  /// WKT or EPSG:NUMBER, the CRS of a file whose coordinates name none; empty: metres, or degrees where they
+  /// look like those.
+  std::string own_crs;
   /// Where to bring the raster, WKT or EPSG:NUMBER, metres; empty: its own CRS, or the UTM zone of its middle
   /// when that is not metric.
   std::string crs;
@@ -68,8 +93,10 @@ struct DemInfo {
   std::vector<std::string> notes;  ///< what read_dem would assume or fix
 };
 
-/// Reads the whole file once by strips. Throws Error{input} as read_dem does.
-DemInfo inspect_dem(const std::filesystem::path& path, int band = 0, Progress& progress = silent());
+/// Reads the whole file once by strips, whatever the window and resolution of `options`. Throws Error as
+/// read_dem does.
+DemInfo inspect_dem(const std::filesystem::path& path, const DemOptions& options = {},
+                    Progress& progress = silent());
 
 /// Float32 GeoTIFF, compressed, NaN as nodata; appears whole or not at all. Throws Error{output}.
 void write_geotiff(const std::filesystem::path& path, const raster::Raster& raster);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include <ogrsf_frmts.h>
 
@@ -45,17 +46,28 @@ bool cannot_be_degrees(OGRLayer& layer) {
          std::max(std::abs(hull.MinY), std::abs(hull.MaxY)) > 90;
 }
 
-void add_layer(OGRLayer& layer, const OGRSpatialReference* target, const std::string& name, Rings& out) {
-  impl::TransformationPtr to_target;
+/// How to bring a layer to `target`; null where its coordinates are taken as they are.
+impl::TransformationPtr way_to(OGRLayer& layer, const OGRSpatialReference& target, bool geojson,
+                               const std::string& name) {
   const OGRSpatialReference* own = layer.GetSpatialRef();
-  if (own != nullptr && target != nullptr && !(own->IsGeographic() && cannot_be_degrees(layer))) {
-    OGRSpatialReference from = *own;
-    from.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-    if (!from.IsSame(target)) {
-      to_target = impl::transformation(from, *target);
-      if (!to_target) fail(ErrorKind::input, "{} cannot be brought to the scene's coordinate system.", name);
-    }
-  }
+  if (own == nullptr || own->IsLocal()) return nullptr;
+  if (own->IsGeographic() && (cannot_be_degrees(layer) || (geojson && target.IsLocal()))) return nullptr;
+  OGRSpatialReference from = *own;
+  from.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  if (from.IsSame(&target)) return nullptr;
+  impl::TransformationPtr way = impl::transformation(from, target);
+  if (way) return way;
+  fail(ErrorKind::input,
+       "{} is in {}, from which nothing leads to {}, the terrain's; draw it over the terrain, or say where "
+       "that "
+       "lies with terrain.crs.",
+       name, impl::name_of(from), impl::name_of(target));
+}
+
+void add_layer(OGRLayer& layer, const OGRSpatialReference* target, bool geojson, const std::string& name,
+               Rings& out) {
+  const impl::TransformationPtr to_target =
+      target != nullptr ? way_to(layer, *target, geojson, name) : nullptr;
   layer.ResetReading();
   while (OGRFeatureUniquePtr feature{layer.GetNextFeature()}) {
     const OGRGeometry* geometry = feature->GetGeometryRef();
@@ -76,9 +88,10 @@ Rings read_polygons(const std::filesystem::path& path, const std::string& crs) {
   impl::GdalMessages messages;
   OGRSpatialReference target;
   if (!crs.empty()) target = impl::crs_from_wkt(crs);
+  const bool geojson = std::string_view(dataset->GetDriver()->GetDescription()).starts_with("GeoJSON");
   Rings out;
   for (int i = 0; i < dataset->GetLayerCount(); ++i)
-    add_layer(*dataset->GetLayer(i), crs.empty() ? nullptr : &target, path.string(), out);
+    add_layer(*dataset->GetLayer(i), crs.empty() ? nullptr : &target, geojson, path.string(), out);
   if (messages.failed())
     fail(ErrorKind::input, "{} cannot be read whole{}.", path.string(), messages.because());
   if (out.empty()) fail(ErrorKind::input, "{} holds no polygons; draw at least one.", path.string());

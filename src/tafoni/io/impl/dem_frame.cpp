@@ -99,11 +99,6 @@ OGRSpatialReference metric_crs(const OGRSpatialReference& crs, double longitude,
   return out;
 }
 
-std::string name_of(const OGRSpatialReference& crs) {
-  const char* name = crs.GetName();
-  return name != nullptr ? name : "an unnamed system";
-}
-
 class FrameMaker {
  public:
   FrameMaker(const DemSource& source, const std::array<int, 4>& window) : source_(source), window_(window) {
@@ -113,10 +108,13 @@ class FrameMaker {
     frame_.crs = source.crs;
   }
 
-  Frame make(double pixel_size, const std::string& wanted) {
+  Frame make(const DemOptions& options) {
+    const double pixel_size = options.pixel_size;
+    const std::string& wanted = options.crs;
     if (source_.georeferenced && pixel_size != 0)
       fail(ErrorKind::usage, "{} has a georeference; a pixel size is only for files without one.",
            source_.name);
+    if (!options.own_crs.empty()) take_crs(crs_from_wkt(options.own_crs));
     if (!source_.georeferenced)
       place_at_zero(pixel_size);
     else if (frame_.crs.IsEmpty())
@@ -151,6 +149,24 @@ class FrameMaker {
     if (pixel_size == 0)
       frame_.notes.push_back(
           "has no georeference; pixels are taken as 1 m and the south-west corner as (0, 0).");
+  }
+
+  /// What the user says of coordinates that name no system, or a local one.
+  void take_crs(OGRSpatialReference own) {
+    own.StripVertical();
+    if (!source_.georeferenced)
+      fail(
+          ErrorKind::usage,
+          "{} has no georeference, so a coordinate system does not place it; leave out terrain.crs, or put a "
+          "world file beside it.",
+          source_.name);
+    if (frame_.crs.IsEmpty() || frame_.crs.IsLocal()) {
+      frame_.crs = own;
+      frame_.notes.push_back(fmt::format("is taken to be in {}, as terrain.crs says.", name_of(own)));
+    } else if (!frame_.crs.IsSame(&own)) {
+      fail(ErrorKind::usage, "{} says itself that it is in {}; leave out terrain.crs = {}.", source_.name,
+           name_of(frame_.crs), name_of(own));
+    }
   }
 
   void guess_crs() {
@@ -215,9 +231,12 @@ class FrameMaker {
   void bring_to(const OGRSpatialReference& wanted) {
     if (wanted.IsGeographic() || wanted.IsGeocentric() || std::abs(wanted.GetLinearUnits() - 1) > 1e-9)
       fail(ErrorKind::usage, "{} is not a map in metres; choose one, such as a UTM zone.", name_of(wanted));
-    if (frame_.crs.IsEmpty()) {
+    if (frame_.crs.IsEmpty() || (frame_.crs.IsLocal() && !frame_.crs.IsSame(&wanted))) {
       frame_.crs = wanted;
       frame_.notes.push_back(fmt::format("is taken to be in {}.", name_of(wanted)));
+    } else if (wanted.IsLocal() && !frame_.crs.IsLocal()) {
+      fail(ErrorKind::input, "{} is in {}, from which nothing leads to {}, the terrain's.", source_.name,
+           name_of(frame_.crs), name_of(wanted));
     } else if (frame_.reproject) {
       frame_.notes.back() = fmt::format("is in {}; reprojected to {}.", name_of(frame_.crs), name_of(wanted));
       frame_.target = wanted;
@@ -310,10 +329,9 @@ Hull suggested_hull(GDALDataset* source, void* transformer, const std::string& n
 
 }  // namespace
 
-Frame metric_frame(const DemSource& source, const std::array<int, 4>& window, double pixel_size,
-                   const std::string& wanted) {
+Frame metric_frame(const DemSource& source, const std::array<int, 4>& window, const DemOptions& options) {
   GdalMessages messages;
-  return FrameMaker(source, window).make(pixel_size, wanted);
+  return FrameMaker(source, window).make(options);
 }
 
 void check_memory(double pixels, double copies, const std::string& name) {

@@ -23,10 +23,8 @@ struct Frame {
   std::vector<std::string> notes;
 };
 
-/// Decides how to bring `source` to metres. `pixel_size` is for files without georeference; 0 is 1 m.
-/// `wanted` is the CRS to bring it to; empty: its own or a UTM zone.
-Frame metric_frame(const DemSource& source, const std::array<int, 4>& window, double pixel_size,
-                   const std::string& wanted);
+/// Decides how to bring `source` to metres. Of `options`: what says where it lies, and where to bring it.
+Frame metric_frame(const DemSource& source, const std::array<int, 4>& window, const DemOptions& options);
 
 /// Puts a grid that covers `transform` (six numbers as GDAL's, in metres) upright by flips and quarter turns;
 /// `transform` has no other rotation.

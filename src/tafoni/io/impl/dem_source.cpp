@@ -1,16 +1,16 @@
-// Elevation files as windows of heights: through GDAL, or as headerless square heightmaps of 16 bits.
+// Elevation files as windows of heights, through GDAL; those without a header are read in raw_heights.cpp.
 // Marks of missing data that no tag admits to are found here.
 
 #include "tafoni/io/impl/dem_source.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <optional>
 
-#include "tafoni/io/impl/gdal_names.h"
+#include "tafoni/io/impl/colour_heights.h"
 #include "tafoni/io/impl/grid_text.h"
+#include "tafoni/io/impl/raw_heights.h"
+#include "tafoni/io/impl/stored_heights.h"
 #include "tafoni/math/whole.h"
 
 namespace tafoni::io::impl {
@@ -62,36 +62,35 @@ double metres_of(const std::string& word) {
   return 0;
 }
 
-/// 16-bit heightmap pictures say nothing of heights; this is what game engines make of them by default.
-constexpr double picture_step = 1.0 / 128;
-
-void note_picture(DemSource& source) {
-  source.scale = picture_step;
-  source.notes.push_back(
-      "a 16-bit heightmap says nothing of heights; taken as 1/128 m a unit, 512 m from black to white.");
-}
-
 class GdalSource final : public DemSource {
  public:
-  GdalSource(const std::filesystem::path& path, int wanted)
+  GdalSource(const std::filesystem::path& path, const DemOptions& options)
       : dataset_(open_dataset(path, GDAL_OF_RASTER, "an elevation model")) {
     name = path.string();
     driver = dataset_->GetDriver()->GetMetadataItem(GDAL_DMD_LONGNAME);
     bands = dataset_->GetRasterCount();
-    choose_band(wanted);
+    if (options.raw_size[0] > 0 || options.byte_order != ByteOrder::automatic)
+      fail(ErrorKind::usage,
+           "{} is a file of the format {}, which says its own size and order of bytes; leave out "
+           "terrain.raw_size and terrain.byte_order.",
+           name, driver);
+    choose_band(options);
     GDALRasterBand* own = dataset_->GetRasterBand(band);
-    type = GDALGetDataTypeName(own->GetRasterDataType());
-    bytes = own->GetRasterDataType() == GDT_Byte;
-    whole = GDALDataTypeIsInteger(own->GetRasterDataType()) != 0;
+    stored_type = own->GetRasterDataType();
+    type = GDALGetDataTypeName(stored_type);
+    bytes = stored_type == GDT_Byte && !decoded;
+    whole = GDALDataTypeIsInteger(stored_type) != 0 && !decoded;
     if (GDALDataTypeIsComplex(own->GetRasterDataType()))
       fail(ErrorKind::input, "{}: band {} holds complex numbers, not elevations.", name, band);
     int tagged = 0;
     nodata = own->GetNoDataValue(&tagged);
-    has_nodata = tagged != 0;
+    has_nodata = tagged != 0 && !decoded;
     list_levels(own);
     nan_marks_missing = pairs_.front().mask != nullptr || (has_nodata && std::isnan(nodata));
     read_georeference();
+    depths = depths_of(*dataset_, *own);
     read_units(own);
+    says_of_heights = unit_stated || scale != 1 || offset != 0 || has_nodata;
     const std::string kind = dataset_->GetDriver()->GetDescription();
     if (kind == "AAIGrid" || kind == "GRASSASCIIGrid") check_grid_text(dataset_->GetDescription(), name);
     if (kind == "AAIGrid") place_grid_text();
@@ -103,7 +102,8 @@ class GdalSource final : public DemSource {
     GDALRasterBand* mask;  ///< null where nodata values say it all; there is data where it is positive
   };
 
-  void choose_band(int wanted) {
+  void choose_band(const DemOptions& options) {
+    const int wanted = options.band;
     if (bands == 0)
       fail(ErrorKind::input,
            "{} holds no raster of its own; name one of its subdatasets (gdalinfo lists them).", name);
@@ -111,6 +111,8 @@ class GdalSource final : public DemSource {
       fail(ErrorKind::usage, "{} has {} band{}; there is no band {}.", name, bands, bands == 1 ? "" : "s",
            wanted);
     band = std::max(wanted, 1);
+    if (options.encoding == HeightEncoding::terrain_rgb || options.encoding == HeightEncoding::terrarium)
+      return decode(options.encoding);
     if (wanted > 0) return;
     const auto colour = [&](int b) { return dataset_->GetRasterBand(b)->GetColorInterpretation(); };
     int heights = 0, coloured = 0;
@@ -121,10 +123,7 @@ class GdalSource final : public DemSource {
     }
     const bool all_bytes = dataset_->GetRasterBand(1)->GetRasterDataType() == GDT_Byte;
     if (coloured > 1 || colour(1) == GCI_PaletteIndex || (bands >= 3 && all_bytes))
-      fail(ErrorKind::input,
-           "{} is a picture ({} bands of colour), not an elevation model; give the elevations' own file, or "
-           "say which band holds heights.",
-           name, bands);
+      return choose_colours(options.encoding);
     if (heights == 0) fail(ErrorKind::input, "{} holds only a transparency band, no elevations.", name);
     band = heights;
     if (bands > 1 && colour(bands) != GCI_AlphaBand)
@@ -139,6 +138,42 @@ class GdalSource final : public DemSource {
     return nullptr;
   }
 
+  /// Colours that hold heights after all.
+  void choose_colours(HeightEncoding encoding) {
+    const ColourBands colours = colour_bands(*dataset_);
+    const Colours found = colours[0] == nullptr ? Colours::picture : look_at_colours(colours);
+    const bool automatic = encoding == HeightEncoding::automatic;
+    if (found == Colours::grey) {
+      band = colours[0]->GetBand();
+      notes.push_back(fmt::format("has three colours that are equal; band {} is taken.", band));
+    } else if (found == Colours::terrain_rgb && automatic) {
+      decode(HeightEncoding::terrain_rgb);
+    } else if (found == Colours::terrarium && automatic) {
+      decode(HeightEncoding::terrarium);
+    } else {
+      fail(ErrorKind::input,
+           "{} is a picture ({} bands of colour), not an elevation model; give the elevations' own file, or "
+           "say how its colours hold heights (terrain.encoding) or which band does (terrain.band).",
+           name, bands);
+    }
+  }
+
+  void decode(HeightEncoding encoding) {
+    const char* word = encoding == HeightEncoding::terrarium ? "terrarium" : "terrain-rgb";
+    colours_ = colour_bands(*dataset_);
+    for (GDALRasterBand* colour : colours_)
+      if (colour == nullptr || colour->GetRasterDataType() != GDT_Byte)
+        fail(ErrorKind::usage, "{} is no picture of three 8-bit colours, as the encoding {} has them.", name,
+             word);
+    decoded = true;
+    encoding_ = encoding;
+    band = colours_[0]->GetBand();
+    notes.push_back(
+        fmt::format("its colours are heights in the encoding {} ({}); terrain.encoding says otherwise.", word,
+                    encoding == HeightEncoding::terrarium ? "Mapzen's, 1/256 m from -32768 m"
+                                                          : "Mapbox's, 0.1 m from -10000 m"));
+  }
+
   void list_levels(GDALRasterBand* own) {
     const auto add = [&](GDALRasterBand* heights, GDALRasterBand* alpha) {
       int block_width = 0, block_height = 0;
@@ -149,6 +184,7 @@ class GdalSource final : public DemSource {
     };
     GDALRasterBand* const alpha = alpha_band();
     add(own, alpha);
+    if (decoded) return;  // an average of colours is no height
     std::vector<std::pair<GDALRasterBand*, GDALRasterBand*>> overviews;
     for (int i = 0; i < own->GetOverviewCount(); ++i) {
       GDALRasterBand* const overview = own->GetOverview(i);
@@ -206,9 +242,6 @@ class GdalSource final : public DemSource {
     if (!given || !std::isfinite(offset)) offset = 0;
     read_height_unit(own->GetUnitType());
     if (!crs.IsEmpty()) crs.StripVertical();
-    const bool picture = std::strcmp(dataset_->GetDriver()->GetDescription(), "PNG") == 0;
-    if (picture && !georeferenced && own->GetRasterDataType() == GDT_UInt16 && scale == 1)
-      note_picture(*this);
   }
 
   /// A file may name the unit twice. Who reprojects a file, or gives it a CRS, writes the CRS anew and leaves
@@ -238,7 +271,10 @@ class GdalSource final : public DemSource {
   void read_stored(std::size_t level, int x, int y, int w, int h, double* out) override {
     GdalMessages messages;
     const Pair& pair = pairs_[level];
-    if (pair.heights->RasterIO(GF_Read, x, y, w, h, out, w, h, GDT_Float64, 0, 0) != CE_None)
+    const bool read =
+        decoded ? read_colour_heights(colours_, encoding_, x, y, w, h, out)
+                : pair.heights->RasterIO(GF_Read, x, y, w, h, out, w, h, GDT_Float64, 0, 0) == CE_None;
+    if (!read)
       fail(ErrorKind::input, "{} cannot be read whole, it is cut short or damaged{}; fetch it again.", name,
            messages.because());
     if (pair.mask == nullptr) return;
@@ -250,63 +286,21 @@ class GdalSource final : public DemSource {
   }
 
   DatasetPtr dataset_;
+  ColourBands colours_{};
+  HeightEncoding encoding_ = HeightEncoding::heights;  ///< of the colours, where `decoded`
   std::vector<Pair> pairs_;
   std::vector<float> mask_;
 };
 
-/// Headerless 16-bit heightmaps, little-endian and square, as game tools write them.
-class RawSource final : public DemSource {
- public:
-  explicit RawSource(const std::filesystem::path& path) : file_(path, std::ios::binary) {
-    name = path.string();
-    driver = "Headerless 16-bit heightmap";
-    type = "UInt16";
-    std::error_code error;
-    const auto size = std::filesystem::file_size(path, error);
-    const auto side = round_to<std::uintmax_t>(std::sqrt(static_cast<double>(size) / 2));
-    if (error || !file_ || side * side * 2 != size || side > 1'000'000)
-      fail(ErrorKind::input,
-           "{} is no square 16-bit heightmap: {} bytes are not twice a square; convert it to PNG or TIFF.",
-           name, error ? 0 : size);
-    levels.push_back({static_cast<int>(side), static_cast<int>(side), 1});
-    notes.push_back(fmt::format("has no header; taken as {0} x {0} little-endian 16-bit heights.", side));
-    note_picture(*this);
-  }
-
- private:
-  void read_stored(std::size_t, int x, int y, int w, int h, double* out) override {
-    std::vector<unsigned char> row(std::int64_t{w} * 2);
-    for (int r = 0; r < h; ++r) {
-      file_.seekg((std::streamoff{y + r} * width() + x) * 2);
-      if (!file_.read(reinterpret_cast<char*>(row.data()), std::ssize(row)))
-        fail(ErrorKind::input, "{} cannot be read whole; fetch it again.", name);
-      for (std::size_t i = 0; i < row.size() / 2; ++i) *out++ = row[2 * i] | row[2 * i + 1] << 8;
-    }
-  }
-  std::ifstream file_;
-};
-
 }  // namespace
 
-std::unique_ptr<DemSource> DemSource::open(const std::filesystem::path& path, int band, double height_scale) {
-  std::unique_ptr<DemSource> source;
-  const std::string extension = lower(path.extension().string());
-  if (extension == ".r16" || extension == ".raw16") {
-    checked_name(path, "an elevation model");
-    source = std::make_unique<RawSource>(path);
-  } else {
+std::unique_ptr<DemSource> DemSource::open(const std::filesystem::path& path, const DemOptions& options) {
+  std::unique_ptr<DemSource> source = open_raw(path, options);
+  if (!source) {
     GdalMessages messages;
-    source = std::make_unique<GdalSource>(path, band);
+    source = std::make_unique<GdalSource>(path, options);
   }
-  if (height_scale != 0) {
-    source->scale = height_scale;
-    source->offset = 0;
-    source->unit = 1;
-    source->height_unit = "metre";
-    source->unit_stated = true;
-    std::erase_if(source->notes,
-                  [](const std::string& note) { return note.find("1/128 m") != std::string::npos; });
-  }
+  interpret(*source, options);
   return source;
 }
 

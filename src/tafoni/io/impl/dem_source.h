@@ -5,9 +5,11 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "tafoni/io/dem.h"
 #include "tafoni/io/impl/gdal.h"
 
 namespace tafoni::io::impl {
@@ -28,15 +30,20 @@ struct ReadReport {
   double sentinel_value = 0, absurd_value = 0;
 };
 
+/// Why heights may be depths, positive down. What is not sure holds where most of them are positive.
+struct Depths {
+  std::string why;
+  bool sure = false;
+};
+
 class DemSource {
  public:
   virtual ~DemSource() = default;
   DemSource(const DemSource&) = delete;
   DemSource& operator=(const DemSource&) = delete;
 
-  /// `band` counts from 1; 0 is the one that holds elevations. `height_scale` is metres a unit, or 0 for the
-  /// file's own.
-  static std::unique_ptr<DemSource> open(const std::filesystem::path& path, int band, double height_scale);
+  /// Of `options`, what says how the file is read and what its numbers mean.
+  static std::unique_ptr<DemSource> open(const std::filesystem::path& path, const DemOptions& options);
 
   /// Reads the heights of rows [y, y + h) and columns [x, x + w) of `level` into out[w * h].
   void read(std::size_t level, int x, int y, int w, int h, double* out);
@@ -48,8 +55,10 @@ class DemSource {
 
   std::string name;          ///< the path, for error texts
   std::string driver, type;  ///< GDAL's
-  bool bytes = false;        ///< 8-bit
-  bool whole = false;        ///< whole numbers are stored
+  GDALDataType stored_type = GDT_Unknown;
+  bool bytes = false;    ///< 8-bit
+  bool decoded = false;  ///< heights were coded as colours
+  bool whole = false;    ///< whole numbers are stored
   int bands = 1, band = 1;
   std::vector<Level> levels;  ///< the first is the file's own, then coarser and coarser
   /// Where the file's pixels lie, in CRS units, as GDAL's geotransform says it; meaningful when
@@ -59,6 +68,8 @@ class DemSource {
   OGRSpatialReference crs;  ///< x, y order; empty when unknown
   std::string height_unit = "metre";
   bool unit_stated = false;
+  bool says_of_heights = false;  ///< whether it names a unit, a scale or a mark for missing data
+  std::optional<Depths> depths;
   double scale = 1, offset = 0;  ///< stored value -> the height unit
   double unit = 1;               ///< metres a height unit
   std::vector<std::string> notes;

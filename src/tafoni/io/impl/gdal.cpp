@@ -217,6 +217,11 @@ OGRSpatialReference crs_from_wkt(const std::string& wkt) {
   return crs;
 }
 
+std::string name_of(const OGRSpatialReference& crs) {
+  const char* name = crs.GetName();
+  return name != nullptr ? name : "an unnamed system";
+}
+
 std::string to_wkt(const OGRSpatialReference& crs) {
   char* text = nullptr;
   const char* const options[] = {"FORMAT=WKT2_2019", nullptr};

@@ -60,6 +60,8 @@ DatasetPtr open_dataset(const std::filesystem::path& path, unsigned flags, const
 OGRSpatialReference crs_from_wkt(const std::string& wkt);
 
 std::string to_wkt(const OGRSpatialReference& crs);
+/// What messages call it.
+std::string name_of(const OGRSpatialReference& crs);
 
 /// "EPSG:32631" for a CRS of WKT that EPSG knows, else WKT of an older form, which tells no area of use.
 std::string short_crs(const std::string& wkt);

@@ -270,7 +270,7 @@ TEST(ReadDem, RefusesWrongThingsInOneSentence) {
   EXPECT_THAT(read(temporary("none.tif")).text, HasSubstr("no such file"));
   EXPECT_THAT(read(written("words.tif", "This is no picture at all.\n")).text,
               HasSubstr("cannot be read as an elevation model"));
-  EXPECT_THAT(read(written("odd.r16", "123")).text, HasSubstr("no square 16-bit heightmap"));
+  EXPECT_THAT(read(written("odd.r16", "123")).text, HasSubstr("no square of 16-bit heights"));
   EXPECT_THAT(
       read(written("cut.asc", "ncols 20\nnrows 10\ncellsize 1\nxllcorner 0\nyllcorner 0\n1 2 3\n")).text,
       HasSubstr("cut.asc"));

@@ -73,6 +73,24 @@ TEST_F(ReadPolygons, TakesMetresForMetres) {
   }
 }
 
+TEST_F(ReadPolygons, LocalCoordinatesMeetGeoJson) {
+  // A drawing over a model in local coordinates: GeoJSON cannot but say that it is in degrees.
+  const std::string local =
+      R"x(ENGCRS["Local Coordinates (m)",EDATUM[""],CS[Cartesian,2],AXIS["(E)",east],AXIS["(N)",north],)x"
+      R"x(LENGTHUNIT["metre",1]])x";
+  const std::string square = "[[[-20,-15],[10,-15],[10,15],[-20,-15]]]";
+  for (const std::string crs : {"", "urn:ogc:def:crs:OGC:1.3:CRS84", "urn:ogc:def:crs:EPSG::4326"})
+    for (const std::string& scene : {local, std::string()}) {
+      const auto rings = read_polygons(written("local.geojson", feature("Polygon", square, crs)), scene);
+      ASSERT_EQ(rings.size(), 1u);
+      EXPECT_EQ(rings[0][0], (Vec2d{-20, -15})) << crs << scene;
+      EXPECT_EQ(rings[0][1], (Vec2d{10, -15})) << crs << scene;
+    }
+  // What is truly somewhere on Earth has no way there.
+  EXPECT_THAT(error(written("utm.geojson", feature("Polygon", square, "urn:ogc:def:crs:EPSG::32631")), local),
+              testing::HasSubstr("from which nothing leads to Local Coordinates (m)"));
+}
+
 TEST_F(ReadPolygons, RefusesInOneSentence) {
   EXPECT_THAT(error(folder_.path / "none.geojson", ""), testing::HasSubstr("no such file"));
   EXPECT_THAT(error(written("d.geojson", ""), ""), testing::HasSubstr("is empty"));

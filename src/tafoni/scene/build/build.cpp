@@ -15,13 +15,35 @@ namespace {
 // Chosen by eye: a voxel resolves every pixel and a tenth of the influence, within which landforms shape the
 // rock, but makes no more cells along the terrain than a mesh of a few million triangles has.
 constexpr double cells_per_influence = 10, most_cells = 1200;
+// No ground is so steep that its mesh would have more at that. Heights in a wrong unit, or over pixels of a
+// wrong size, are, and would ask for hundreds of millions.
+constexpr double most_triangles = 12e6;
+// Pixels from which the area of a surface is judged.
+constexpr double judged_pixels = 4e6;
+
+/// m² of a raster's surface.
+double surface_area(const raster::Raster& raster) {
+  const double dx = raster.placement.dx, dy = raster.placement.dy;
+  const int step = std::max(1, static_cast<int>(1.0 * raster.width() * raster.height() / judged_pixels));
+  double area = 0;
+  for (int row = 0; row + 1 < raster.height(); row += step)
+    for (int col = 0; col + 1 < raster.width(); ++col) {
+      const double here = raster.values.at(col, row);
+      const double east = (raster.values.at(col + 1, row) - here) / dx;
+      const double south = (raster.values.at(col, row + 1) - here) / dy;
+      const double steepness = std::sqrt(1 + east * east + south * south);
+      if (!std::isnan(steepness)) area += steepness;
+    }
+  return area * dx * dy * step;
+}
 
 }  // namespace
 
 double default_voxel(const raster::Raster& raster, double influence) {
   const double pixel = std::min(raster.placement.dx, raster.placement.dy);
   const double extent = std::max(raster.placement.dx * raster.width(), raster.placement.dy * raster.height());
-  const double wanted = std::max(std::min(pixel, influence / cells_per_influence), extent / most_cells);
+  const double wanted = std::max({std::min(pixel, influence / cells_per_influence), extent / most_cells,
+                                  std::sqrt(2 * surface_area(raster) / most_triangles)});
   const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
   double best = decade;
   for (double digit : {2.0, 2.5, 5.0, 10.0})

@@ -12,6 +12,7 @@
 #include "tafoni/field/compiled.h"
 #include "tafoni/field/tree.h"
 #include "tafoni/geology/geology.h"
+#include "tafoni/io/dem.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/scene/document/document.h"
 #include "tafoni/surface/polygonize.h"
@@ -53,8 +54,12 @@ struct BuiltScene {
 /// Throws Error as the modules below do; a layer's error names the layer.
 BuiltScene build(const Document& document, Progress& progress = silent());
 
+/// What a terrain's words ask of reading its source.
+io::DemOptions dem_options(const TerrainSection& words);
+
 /// A round voxel size for a raster: a pixel, or a tenth of R where pixels are coarser than what landforms
-/// carve, but not so small that the whole is more than about 1,200 cells a side.
+/// carve, but not so small that the whole is more than about 1,200 cells a side, or that heights in a wrong
+/// unit, which are steeper than any ground, make a mesh of far more triangles.
 double default_voxel(const raster::Raster& raster, double influence);
 
 /// The seed of layers[index]: its own, or one made from the scene's seed, the layer's type and name, and how

@@ -8,6 +8,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/files.h"
 #include "tafoni/io/csv.h"
+#include "tafoni/io/source_name.h"
 #include "tafoni/scene/document/impl/types.h"
 #include "tafoni/scene/layers/layer.h"
 
@@ -61,8 +62,25 @@ const std::vector<ParamInfo>& terrain_params() {
           .integer("band", &S::band, "", 0, 65535, "Band of the source, from 1; 0 finds the elevations")
           .real("pixel_size", &S::pixel_size, "m", 0, 1e5,
                 "Pixel size of a source without georeference; 0 means 1 m")
-          .real("height_scale", &S::height_scale, "m", 0, 1e5,
-                "Metres in a stored unit of height; 0 takes what the source says")
+          .choice(
+              "encoding", &S::encoding,
+              {"auto", "heights", "heightmap", "terrain-rgb", "mapbox", "terrarium"},
+              "How the source's numbers mean heights: as they stand, 512 m from black to white as in "
+              "game engines, or in the colours of Mapbox's Terrain-RGB, also called mapbox, or of Mapzen's "
+              "Terrarium; auto tells it from the source")
+          .real(
+              "height_scale", &S::height_scale, "m", -1e5, 1e5,
+              "Metres in a stored unit of height, negative for depths, which are positive downwards; 0 takes "
+              "what the source says")
+          .real("height_offset", &S::height_offset, "m", -1e5, 1e5, "Metres to add to every height")
+          .numbers("raw_size", &S::raw_size, "pixels", 2, 2, 1e6,
+                   "Columns and rows of a source without a header; none takes it as a square")
+          .choice("byte_order", &S::byte_order, {"auto", "little", "big"},
+                  "Which byte of a number comes first in a source without a header, the least significant or "
+                  "the most; auto takes the one that makes the terrain smoother")
+          .text(
+              "crs", &S::crs,
+              "CRS of a source whose coordinates name none, as EPSG:NUMBER or WKT; none takes them as metres")
           .real("depth", &S::depth, "m", 0, 1e5,
                 "How much rock is kept below the lowest height, beyond R: caves go no deeper")
           .text("domain", &S::domain, "Path of a polygon file that limits the terrain");
@@ -138,8 +156,11 @@ std::vector<std::string> paths_of(const Layer& layer) {
 }
 
 std::filesystem::path Document::resolve(const std::string& path) const {
-  const std::filesystem::path p(path);
-  return (p.is_absolute() || directory.empty() ? p : directory / p).lexically_normal();
+  io::SourceName name = io::split_source(path, directory);
+  if (name.file.empty()) return path;
+  if (!name.file.is_absolute() && !directory.empty()) name.file = directory / name.file;
+  name.file = name.file.lexically_normal();
+  return name.text();
 }
 
 namespace {
@@ -196,9 +217,10 @@ void check(const Document& document, std::string_view where) {
   if (!t.window.empty() && (t.window[2] < 1 || t.window[3] < 1))
     fail(ErrorKind::input, "{}: window = {} has no pixels; it is column, row, width, height", where,
          to_toml(t.window));
-  for (double v : t.window)
-    if (v != std::trunc(v))
-      fail(ErrorKind::input, "{}: window = {} must be whole pixels", where, to_toml(t.window));
+  for (const auto& [name, pixels] : {std::pair{"window", &t.window}, std::pair{"raw_size", &t.raw_size}})
+    for (const double v : *pixels)
+      if (v != std::trunc(v))
+        fail(ErrorKind::input, "{}: {} = {} must be whole pixels", where, name, to_toml(*pixels));
   for (const Layer& layer : document.layers) {
     const LayerSettings& s = layer.settings;
     const std::string at = layer.line > 0 ? fmt::format("{}:{}", where, layer.line) : std::string(where);

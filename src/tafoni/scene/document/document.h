@@ -24,7 +24,9 @@ const std::vector<ParamInfo>& scene_params();
 
 /// [terrain]. Either `source` or `generator` is set in a document that can be built.
 struct TerrainSection {
-  std::string source;          ///< path, as the scene file says it; of a volume, its upper surface is taken
+  /// Path, or a name that only GDAL knows (io/source_name.h), as the scene file says it; of a volume, its
+  /// upper surface is taken.
+  std::string source;
   std::string generator;       ///< a registered generator; `values` are its parameters
   std::vector<double> window;  ///< column, row, width, height in pixels of the source; empty: all
   double resolution = 0;       ///< metres; 0: the source's own
@@ -32,14 +34,19 @@ struct TerrainSection {
   double amplitude = 7.5;      ///< T, metres; R <= 3T
   std::string interpolation = "bicubic";
   std::string distance = "first-order";
-  double fill = -1;         ///< metres, io::DemOptions::fill_distance; -1: eight pixels
-  bool smooth = false;      ///< removes the terraces of stepped data
-  std::int64_t band = 0;    ///< 0: the one that holds elevations
-  double pixel_size = 0;    ///< metres, of a file without georeference; 0: 1 m
-  double height_scale = 0;  ///< metres a stored unit; 0: the file's own
-  double depth = 0;         ///< metres of rock below the R that is always there
-  std::string domain;       ///< path of a polygon file; empty: the whole raster
-  Values values;            ///< of the generator; only what differs from its defaults
+  double fill = -1;               ///< metres, io::DemOptions::fill_distance; -1: eight pixels
+  bool smooth = false;            ///< removes the terraces of stepped data
+  std::int64_t band = 0;          ///< 0: the one that holds elevations
+  double pixel_size = 0;          ///< metres, of a file without georeference; 0: 1 m
+  std::string encoding = "auto";  ///< how the source's numbers mean heights
+  double height_scale = 0;        ///< metres a stored unit, negative for depths; 0: the file's own
+  double height_offset = 0;       ///< metres, added to every height
+  std::vector<double> raw_size;   ///< columns and rows of a file without a header; empty: square
+  std::string byte_order = "auto";
+  std::string crs;     ///< of a source whose coordinates name none
+  double depth = 0;    ///< metres of rock below the R that is always there
+  std::string domain;  ///< path of a polygon file; empty: the whole raster
+  Values values;       ///< of the generator; only what differs from its defaults
 };
 const std::vector<ParamInfo>& terrain_params();
 
@@ -95,6 +102,7 @@ struct Document {
   std::vector<Layer> layers;
   std::string text;  ///< what it was read from, comments and all; empty for a new one
 
+  /// The place of a path; of a name that only GDAL knows, the name with the place of its file.
   std::filesystem::path resolve(const std::string& path) const;
 };
 /// "FILE:LINE: " of a layer that was read from there; else empty.

@@ -5,6 +5,7 @@
 
 #include <toml++/toml.h>
 
+#include "tafoni/core/byte_text.h"
 #include "tafoni/core/error.h"
 #include "tafoni/geology/kind.h"
 #include "tafoni/scene/document/document.h"
@@ -44,7 +45,7 @@ std::optional<Value> to_value(const toml::node& node) {
   if (const auto* v = node.as_boolean()) return Value(v->get());
   if (const auto* v = node.as_integer()) return Value(v->get());
   if (const auto* v = node.as_floating_point()) return Value(v->get());
-  if (const auto* v = node.as_string()) return Value(v->get());
+  if (const auto* v = node.as_string()) return Value(from_utf8(v->get()));
   const auto* array = node.as_array();
   if (!array) return {};
   std::vector<double> numbers;
@@ -61,7 +62,7 @@ std::optional<Value> to_value(const toml::node& node) {
 
 /// A cell of a table: text, or the text of numbers, true or false.
 std::optional<std::string> to_cell(const toml::node& node) {
-  if (const auto* v = node.as_string()) return v->get();
+  if (const auto* v = node.as_string()) return from_utf8(v->get());
   const auto value = to_value(node);
   if (!value) return {};
   const std::string text = to_toml(*value);
@@ -254,6 +255,11 @@ GeologySettings read_geology(const Reader& reader, const toml::table& table, con
 }  // namespace
 
 Document parse_scene(std::string_view text, const std::filesystem::path& file) {
+  if (const std::size_t at = first_not_utf8(text); at != std::string_view::npos)
+    fail(ErrorKind::input,
+         "{}:{}: is not UTF-8; save it as UTF-8, and write bytes of names that are none as in "
+         "'d\\xE9nivel\\xE9'",
+         file.string(), 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
   toml::table root;
   try {
     root = toml::parse(text);

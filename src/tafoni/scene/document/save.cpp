@@ -10,6 +10,7 @@
 #include "tafoni/core/atomic_file.h"
 #include "tafoni/core/error.h"
 #include "tafoni/core/files.h"
+#include "tafoni/io/source_name.h"
 #include "tafoni/scene/document/document.h"
 #include "tafoni/scene/document/impl/toml_lines.h"
 #include "tafoni/scene/document/impl/types.h"
@@ -294,8 +295,11 @@ bool reads_back(const std::string& text, const Document& document) {
 }
 
 void rebase(std::string& path, const Document& document, const std::filesystem::path& directory) {
-  if (path.empty() || std::filesystem::path(path).is_absolute()) return;
-  path = std::filesystem::absolute(document.resolve(path)).lexically_normal().lexically_relative(directory);
+  io::SourceName name = io::split_source(path, document.directory);
+  if (name.file.empty() || name.file.is_absolute()) return;
+  const std::filesystem::path place = std::filesystem::absolute(document.directory / name.file);
+  name.file = place.lexically_normal().lexically_relative(directory);
+  path = name.text();
 }
 
 }  // namespace

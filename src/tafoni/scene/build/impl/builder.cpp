@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tafoni/core/error.h"
+#include "tafoni/io/source_name.h"
 
 namespace tafoni::scene::impl {
 namespace {
@@ -90,7 +91,7 @@ Built Builder::build(const Document& document, const SlotSource& slots, Progress
 std::optional<File> Builder::file(const Document& document, const std::string& path) {
   if (path.empty()) return {};
   const auto resolved = document.resolve(path);
-  return File{resolved, files_.of(resolved)};
+  return File{resolved, files_.of(io::split_source(resolved.string(), {}).file)};
 }
 
 void Builder::build_ground(Stage& stage) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <utility>
 
 #include "tafoni/core/error.h"
@@ -13,6 +14,7 @@
 #include "tafoni/io/format.h"
 #include "tafoni/io/vector.h"
 #include "tafoni/raster/resample.h"
+#include "tafoni/scene/build/build.h"
 #include "tafoni/scene/build/impl/volume_heights.h"
 #include "tafoni/terrain/generator.h"
 
@@ -44,25 +46,36 @@ void add_part(impl::Digest& to, const Layer& words) {
   add_text(to, alone);
 }
 
+io::DemOptions dem_options(const TerrainSection& words) {
+  using Encoding = io::HeightEncoding;
+  static const std::map<std::string_view, Encoding> encodings = {
+      {"auto", Encoding::automatic},      {"heights", Encoding::heights},
+      {"heightmap", Encoding::heightmap}, {"terrain-rgb", Encoding::terrain_rgb},
+      {"mapbox", Encoding::terrain_rgb},  {"terrarium", Encoding::terrarium}};
+  static const std::map<std::string_view, io::ByteOrder> orders = {
+      {"auto", io::ByteOrder::automatic}, {"little", io::ByteOrder::little}, {"big", io::ByteOrder::big}};
+  const auto pixels = [](const std::vector<double>& from, auto to) {
+    std::transform(from.begin(), from.end(), to.begin(), [](double v) { return static_cast<int>(v); });
+    return to;
+  };
+  io::DemOptions out;
+  if (!words.window.empty()) out.window = pixels(words.window, std::array<int, 4>{});
+  out.resolution = words.resolution;
+  out.band = static_cast<int>(words.band);
+  out.fill_distance = words.fill;
+  out.smooth = words.smooth;
+  out.pixel_size = words.pixel_size;
+  out.encoding = encodings.at(words.encoding);
+  out.height_scale = words.height_scale;
+  out.height_offset = words.height_offset;
+  out.raw_size = pixels(words.raw_size, out.raw_size);
+  out.byte_order = orders.at(words.byte_order);
+  out.own_crs = words.crs;
+  return out;
+}
+
 namespace impl {
 namespace {
-
-raster::Raster read_elevations(const TerrainSection& words, const File& source, Progress& progress) {
-  io::DemOptions options;
-  if (!words.window.empty()) {
-    std::array<int, 4> window{};
-    std::transform(words.window.begin(), words.window.end(), window.begin(),
-                   [](double v) { return static_cast<int>(v); });
-    options.window = window;
-  }
-  options.resolution = words.resolution;
-  options.band = static_cast<int>(words.band);
-  options.fill_distance = words.fill;
-  options.smooth = words.smooth;
-  options.pixel_size = words.pixel_size;
-  options.height_scale = words.height_scale;
-  return io::read_dem(source.path, options, progress).raster;
-}
 
 /// The geologies of a list, each with a seed of its place.
 std::vector<geology::GeologyPtr> geologies_of(const std::vector<GeologySettings>& list, Vec3d origin,
@@ -111,7 +124,9 @@ RasterPtr make_elevations(const TerrainSection& words, const std::uint64_t& seed
                           const std::optional<File>& source, Readers& readers) {
   Progress& progress = readers.progress;
   const bool volume = source && is_volume(words);
-  if (source && !volume) return std::make_shared<raster::Raster>(read_elevations(words, *source, progress));
+  if (source && !volume) {
+    return std::make_shared<raster::Raster>(io::read_dem(source->path, dem_options(words), progress).raster);
+  }
   if (!words.window.empty())
     fail(ErrorKind::input, "{}: a volume is taken as a whole; leave out the window", words.source);
   raster::Raster made = volume

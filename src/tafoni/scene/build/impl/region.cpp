@@ -16,6 +16,7 @@ std::vector<landforms::Ring> to_local(std::vector<landforms::Ring> rings, Vec3d 
 
 std::shared_ptr<const raster::Raster> read_mask(const File& file, const std::string& crs, Vec3d origin) {
   io::DemOptions options;
+  options.encoding = io::HeightEncoding::heights;
   options.fill_distance = 0;
   options.crs = crs;
   auto mask = std::make_shared<raster::Raster>(io::read_dem(file.path, options).raster);

@@ -213,5 +213,23 @@ TEST(DefaultVoxel, IsRoundAndBetweenPixelAndExtent) {
   EXPECT_EQ(voxel(256, 256, 0.01), 0.01);
 }
 
+TEST(DefaultVoxel, HeightsInAWrongUnitMakeNoHugeMesh) {
+  // A heightmap of 16 bits whose units were taken for metres: a ridge of 65 km over 129 pixels of a metre.
+  raster::Raster raster;
+  raster.values = raster::Grid<float>(129, 129);
+  double area = 0;
+  for (int row = 0; row < 129; ++row)
+    for (int col = 0; col < 129; ++col)
+      raster.values.at(col, row) = static_cast<float>(65535 * std::pow(std::sin(0.2 * col), 2));
+  for (int col = 0; col < 128; ++col)
+    area += 128 * std::hypot(1, raster.values.at(col + 1, 0) - raster.values.at(col, 0));
+  const double triangles = 2 * area / std::pow(default_voxel(raster, 15), 2);
+  EXPECT_GT(2 * area, 1e8);
+  EXPECT_LT(triangles, 2e7);
+  // A cliff is no reason: the voxel is that of flat ground.
+  for (float& v : raster.values.values()) v /= 1000;
+  EXPECT_EQ(default_voxel(raster, 15), 1);
+}
+
 }  // namespace
 }  // namespace tafoni::scene

@@ -108,7 +108,7 @@ INSTANTIATE_TEST_SUITE_P(
               "dir/s.toml:3: a primitives layer needs file, the path of a CSV"},
         Wrong{"[terrain\nsource = 1", "dir/s.toml:1: is not valid TOML: "},
         Wrong{"[scene]\nseed = 1\nseed = 2", "dir/s.toml:3: is not valid TOML: "},
-        Wrong{"[scene]\nseed = \"\xff\xfe\"", "is not valid TOML: "}));
+        Wrong{"[scene]\nseed = \"\xff\xfe\"", "dir/s.toml:2: is not UTF-8; save it as UTF-8"}));
 
 TEST(ParseScene, ErrorsAreOneLine) {
   for (std::string_view text :

@@ -1,6 +1,7 @@
 // Writing scene files, with as much as possible of what was read.
 
 #include <filesystem>
+#include <fstream>
 
 #include <gmock/gmock.h>
 
@@ -166,6 +167,54 @@ TEST(SaveScene, PathsFollowTheFile) {
   EXPECT_EQ(e.resolve(e.layers[1].settings.region), d.resolve(d.layers[1].settings.region));
   EXPECT_EQ(e.resolve(std::get<std::string>(e.layers[2].values.at("file"))), root / "a" / "spheres.csv");
   EXPECT_THAT(e.text, HasSubstr("# Storm waves."));
+}
+
+TEST(SaveScene, NamesThatAreNoPathsFollowTheFile) {
+  namespace fs = std::filesystem;
+  const TestFolder folder;
+  const fs::path& root = folder.path;
+  fs::create_directories(root / "a");
+  fs::create_directories(root / "b");
+  for (const char* name : {"sea.nc", "tile.zip"}) std::ofstream(root / "a" / name) << "x";
+  const auto moved = [&](const std::string& source) {
+    Document d;
+    d.directory = root / "a";
+    d.terrain.source = source;
+    save_scene(d, root / "b" / "t.toml");
+    const Document e = load_scene(root / "b" / "t.toml");
+    EXPECT_EQ(e.resolve(e.terrain.source), d.resolve(d.terrain.source));
+    return e.terrain.source;
+  };
+  EXPECT_EQ(moved("/vsizip/tile.zip/data/dtm.tif"), "/vsizip/../a/tile.zip/data/dtm.tif");
+  EXPECT_EQ(moved("NETCDF:\"sea.nc\":depth"), "NETCDF:\"../a/sea.nc\":depth");
+  EXPECT_EQ(moved("WMS:elsewhere"), "WMS:elsewhere");
+  Document d;
+  d.directory = root / "a";
+  EXPECT_EQ(d.resolve("NETCDF:sea.nc:depth"), "NETCDF:" + (root / "a" / "sea.nc").string() + ":depth");
+  EXPECT_EQ(d.resolve("/vsizip/tile.zip/x.tif"), "/vsizip/" + (root / "a" / "tile.zip").string() + "/x.tif");
+}
+
+TEST(SaveScene, NamesNeedNotBeUtf8) {
+  const TestFolder folder;
+  Document d;
+  d.directory = folder.path;
+  d.terrain.source = "d\xe9nivel\xe9.tif";  // Latin-1
+  Layer layer;
+  layer.type = "karst";
+  layer.settings.name = "\\xE9";
+  layer.settings.region = "\xfc/r.geojson";
+  d.layers.push_back(layer);
+  save_scene(d, folder.path / "s.toml");
+  const Document e = load_scene(folder.path / "s.toml");
+  EXPECT_EQ(e.terrain.source, d.terrain.source);
+  EXPECT_EQ(e.layers[0].settings.name, layer.settings.name);
+  EXPECT_EQ(e.layers[0].settings.region, layer.settings.region);
+  EXPECT_THAT(e.text, HasSubstr("d\\\\xE9nivel\\\\xE9.tif"));
+  // An edit of a text that was read keeps it so.
+  Document edited = e;
+  edited.scene.seed = 3;
+  edited.layers[0].settings.region = "\xf6.geojson";
+  EXPECT_TRUE(same(parse_scene(to_text(edited), folder.path / "s.toml"), edited));
 }
 
 }  // namespace
