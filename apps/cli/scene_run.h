@@ -39,6 +39,7 @@ struct OutputOptions {
   std::optional<double> texture;  ///< metres that a picture covers
   bool half = false;
   bool dry_run = false;
+  bool force = false;
 
   void declare(Args& args);
   /// Whether anything is asked for that takes building the scene.
