@@ -2,7 +2,10 @@
 
 import os
 import re
+import shutil
+import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 root = Path(os.environ["TAFONI_SOURCE_DIR"])
@@ -25,6 +28,18 @@ for page in [root / "README.md", root / "CONTRIBUTING.md", root / "THIRD_PARTY.m
     for target in re.findall(r"`((?:src|tools|cmake|tests|bench|examples|apps|docs)/[\w./-]*\w)`", text):
         if "NAME" not in target and not (root / target).exists():
             problems.append(f"{page.relative_to(root)}: names {target}, which does not exist")
+
+# The commands of the README run as they stand, from the folder of a clone: here a folder with its examples.
+commands = next(block for block in re.findall(r"```sh\n(.*?)```", readme, re.S) if "tafoni amplify" in block)
+with tempfile.TemporaryDirectory() as folder:
+    shutil.copytree(root / "examples", Path(folder) / "examples")
+    path = f"{Path(os.environ['TAFONI_CLI']).parent}:{os.environ['PATH']}"
+    for command in commands.replace("\\\n", " ").splitlines():
+        if command.startswith("export PATH="):
+            continue
+        done = subprocess.run(["bash", "-c", command], cwd=folder, env={**os.environ, "PATH": path}, capture_output=True, text=True)
+        if done.returncode != 0:
+            problems.append(f"README.md: {command!r} fails: {done.stderr}")
 
 for line in problems:
     print(line, file=sys.stderr)

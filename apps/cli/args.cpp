@@ -185,6 +185,11 @@ void check_command_name(int argc, const char* const* argv, const std::vector<Arg
 
 Parsed parse(int argc, const char* const* argv, const std::vector<Args*>& commands, const std::string& doc,
              const std::string& footer, const std::string& version) {
+  // "help" and "help COMMAND" are what other programs take, too.
+  if (argc > 1 && std::string_view(argv[1]) == "help") {
+    const char* const asked[] = {argv[0], argc > 2 ? argv[2] : "--help", "--help"};
+    return parse(3, asked, commands, doc, footer, version);
+  }
   check_command_name(argc, argv, commands);
   CLI::App app(doc, "tafoni");
   app.formatter(std::make_shared<Help>());

@@ -7,10 +7,20 @@
 #include <cstdlib>
 
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 namespace tafoni::cli {
 namespace {
+
+// A sentence is cut to about so many bytes of its beginning, which names the file, and of its end, which says
+// what to do.
+constexpr std::size_t longest_head = 400, longest_tail = 200;
+
+/// What is written to standard error may be lost, but may not end the program.
+void tell(std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+}
 
 bool coloured() {
   const char* none = std::getenv("NO_COLOR");
@@ -18,15 +28,101 @@ bool coloured() {
 }
 
 void print_tagged(std::string_view colour, std::string_view tag, std::string_view sentence) {
-  std::string line(sentence);
-  std::replace(line.begin(), line.end(), '\n', ' ');
+  const std::string line = terminal_sentence(sentence);
   if (coloured())
-    fmt::print(stderr, "{}{}\x1b[0m {}\n", colour, tag, line);
+    tell(fmt::format("{}{}\x1b[0m {}\n", colour, tag, line));
   else
-    fmt::print(stderr, "{} {}\n", tag, line);
+    tell(fmt::format("{} {}\n", tag, line));
+}
+
+const char* kind_name(ErrorKind kind) {
+  switch (kind) {
+    case ErrorKind::internal:
+      return "internal";
+    case ErrorKind::usage:
+      return "usage";
+    case ErrorKind::input:
+      return "input";
+    case ErrorKind::output:
+      return "output";
+    case ErrorKind::invalid:
+      return "invalid";
+    case ErrorKind::cancelled:
+      return "cancelled";
+  }
+  return "";
+}
+
+/// On one line: bytes that are no UTF-8, which JSON must be, are replaced.
+void tell_json(const nlohmann::ordered_json& json) {
+  tell(terminal_safe(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)) + "\n");
+}
+
+bool plain(char c) {
+  return (c >= ' ' && c <= '~') || c == '\n' || c == '\t';
+}
+
+/// The code point that begins `text` and how many bytes it has; 1 byte of none where that is no UTF-8.
+struct CodePoint {
+  std::optional<std::uint32_t> value;
+  std::size_t bytes = 1;
+};
+CodePoint first_code_point(std::string_view text) {
+  const auto at = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned lead = at(0);
+  if (lead < 0x80) return {lead, 1};
+  const std::size_t bytes = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
+  if (lead < 0xc2 || lead > 0xf4 || text.size() < bytes) return {};
+  std::uint32_t value = lead & (0xffu >> (bytes + 1));
+  for (std::size_t i = 1; i < bytes; ++i) {
+    if ((at(i) & 0xc0u) != 0x80) return {};
+    value = value << 6 | (at(i) & 0x3fu);
+  }
+  constexpr std::uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+  if (value < least[bytes] || value > 0x10ffff || (value >= 0xd800 && value <= 0xdfff)) return {};
+  return {value, bytes};
+}
+
+/// Controls, line breaks of all scripts, and what changes the direction of the text after it.
+bool drives_terminal(std::uint32_t c) {
+  return c < 0x20 || (c >= 0x7f && c < 0xa0) || c == 0x61c || c == 0x200e || c == 0x200f ||
+         (c >= 0x2028 && c <= 0x202e) || (c >= 0x2066 && c <= 0x2069);
+}
+
+/// The end of the last whole code point within `text`'s first `size` bytes.
+std::size_t cut_at(std::string_view text, std::size_t size) {
+  while (size > 0 && size < text.size() && (static_cast<unsigned char>(text[size]) & 0xc0u) == 0x80) --size;
+  return size;
 }
 
 }  // namespace
+
+std::string terminal_safe(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t begin = i;
+    while (i < text.size() && plain(text[i])) ++i;
+    out += text.substr(begin, i - begin);
+    if (i == text.size()) break;
+    const CodePoint point = first_code_point(text.substr(i));
+    if (!point.value)
+      out += fmt::format("\\u{:04X}", static_cast<unsigned char>(text[i]));
+    else if (!drives_terminal(*point.value))
+      out += text.substr(i, point.bytes);
+    else
+      out += fmt::format("\\u{:04X}", *point.value);
+    i += point.bytes;
+  }
+  return out;
+}
+
+std::string terminal_sentence(std::string_view text) {
+  std::string line = terminal_safe(text);
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  if (line.size() <= longest_head + longest_tail) return line;
+  const std::size_t head = cut_at(line, longest_head), tail = cut_at(line, line.size() - longest_tail);
+  return line.substr(0, head) + " … " + line.substr(tail);
+}
 
 void CommonOptions::declare(Args& args) {
   args.group("Common options");
@@ -54,6 +150,11 @@ void Console::print(std::string_view text) {
 void Console::result(std::string_view text) {
   std::lock_guard lock(mutex_);
   clear();
+  if (!std::all_of(text.begin(), text.end(), plain)) {
+    const std::string safe = terminal_safe(text);
+    std::fwrite(safe.data(), 1, safe.size(), stdout);
+    return;
+  }
   std::fwrite(text.data(), 1, text.size(), stdout);
 }
 
@@ -94,7 +195,10 @@ void Console::on_warn(std::string_view sentence) {
   warnings_.emplace_back(sentence);
   if (options_.quiet) return;
   clear();
-  print_tagged("\x1b[33m", "tafoni: warning:", sentence);
+  if (options_.json)
+    tell_json({{"warning", terminal_sentence(sentence)}});
+  else
+    print_tagged("\x1b[33m", "tafoni: warning:", sentence);
 }
 
 void Console::show(std::uint64_t done) {
@@ -115,21 +219,29 @@ void Console::show(std::uint64_t done) {
     if (!unit_.empty()) line += fmt::format("  {} {}/s", number, unit_);
     if (total_ > done) line += "  " + as_time(static_cast<double>(total_ - done) / rate) + " left";
   }
-  if (terminal_)
-    fmt::print(stderr, "\r\x1b[K{}", line.substr(0, 78));
-  else
-    fmt::print(stderr, "{}\n", line);
+  line = terminal_sentence(line);
+  tell(terminal_ ? "\r\x1b[K" + line.substr(0, cut_at(line, std::min<std::size_t>(line.size(), 78)))
+                 : line + "\n");
   std::fflush(stderr);
   drawn_ = terminal_;
 }
 
 void Console::clear() {
-  if (drawn_) fmt::print(stderr, "\r\x1b[K");
+  if (drawn_) tell("\r\x1b[K");
   drawn_ = false;
 }
 
-void print_error(std::string_view sentence) {
-  print_tagged("\x1b[31m", "tafoni:", sentence);
+void print_error(const Error& error, bool json) {
+  if (json)
+    tell_json({{"error", terminal_sentence(error.what())},
+               {"kind", kind_name(error.kind())},
+               {"code", static_cast<int>(error.kind())}});
+  else
+    print_tagged("\x1b[31m", "tafoni:", error.what());
+}
+
+std::string json_text(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string with_commas(std::uint64_t n) {

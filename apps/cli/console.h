@@ -1,5 +1,6 @@
 #pragma once
-// Results on stdout; progress and warnings on stderr.
+// Results on stdout; progress and warnings on stderr. All text that leaves the program for a terminal goes
+// through here, where it is made safe.
 
 #include <atomic>
 #include <chrono>
@@ -11,7 +12,9 @@
 #include <vector>
 
 #include "args.h"
+#include <nlohmann/json_fwd.hpp>
 
+#include "tafoni/core/error.h"
 #include "tafoni/core/progress.h"
 
 namespace tafoni::cli {
@@ -23,6 +26,12 @@ struct CommonOptions {
 
   void declare(Args& args);
 };
+
+/// `text` as a terminal may be sent it. Bytes that drive a terminal, direct its text from right to left or
+/// are no UTF-8 become \u001B and the like, which reads the same within JSON; line breaks and tabs stay.
+std::string terminal_safe(std::string_view text);
+/// terminal_safe() on one line, of which the middle is left out where it is longer than a person reads.
+std::string terminal_sentence(std::string_view text);
 
 class Console : public Progress {
  public:
@@ -60,8 +69,13 @@ class Console : public Progress {
   std::vector<std::string> warnings_;
 };
 
-/// "tafoni: sentence" on stderr, in red on a terminal unless NO_COLOR is set.
-void print_error(std::string_view sentence);
+/// "tafoni: sentence" on stderr, in red on a terminal unless NO_COLOR is set; with `json`
+/// {"error": sentence, "kind": "input", "code": 3} on one line.
+void print_error(const Error& error, bool json);
+
+/// Indented, on lines of its own. Text of files need not be UTF-8, which JSON must be: what is not is
+/// replaced.
+std::string json_text(const nlohmann::ordered_json& json);
 
 /// 1234567 as "1,234,567".
 std::string with_commas(std::uint64_t n);

@@ -1,15 +1,20 @@
 // Finds the command, lets it declare its options, runs it, and turns what it throws into one sentence and an
 // exit status.
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <exception>
 #include <memory>
 #include <new>
+#include <stdexcept>
+#include <string_view>
 
 #include "args.h"
 #include "command.h"
 #include "console.h"
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
@@ -82,20 +87,45 @@ int run(int argc, const char* const* argv) {
 }  // namespace
 }  // namespace tafoni::cli
 
+namespace {
+
+/// A standard stream that is closed would lend its number to the next file that is opened, and messages would
+/// end up in it. What stands in its place here takes nothing.
+void hold_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    while (fcntl(stream, F_GETFD) < 0)
+      if (open("/dev/null", O_RDONLY) < 0) break;
+}
+
+/// Whether what fails before the options are read is to be told as JSON.
+bool wants_json(int argc, const char* const* argv) {
+  return std::any_of(argv, argv + argc, [](const char* word) { return std::string_view(word) == "--json"; });
+}
+
+tafoni::Error as_error(const std::exception& thrown) {
+  using tafoni::Error;
+  using tafoni::ErrorKind;
+  if (const auto* error = dynamic_cast<const Error*>(&thrown))
+    return error->kind() == ErrorKind::cancelled
+               ? Error(ErrorKind::cancelled, "interrupted; nothing half-written is left")
+               : *error;
+  if (dynamic_cast<const std::bad_alloc*>(&thrown) != nullptr ||
+      dynamic_cast<const std::length_error*>(&thrown) != nullptr)
+    return {ErrorKind::internal, "not enough memory; use a larger --voxel, a smaller --window, or --tiles"};
+  return {ErrorKind::internal, fmt::format("internal error: {}; please report it", thrown.what())};
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  using tafoni::cli::print_error;
+  hold_standard_streams();
   // A file that grows beyond `ulimit -f` is one that cannot be written, not the end of the program.
   std::signal(SIGXFSZ, SIG_IGN);
   try {
     return tafoni::cli::run(argc, argv);
-  } catch (const tafoni::Error& error) {
-    const bool cancelled = error.kind() == tafoni::ErrorKind::cancelled;
-    print_error(cancelled ? "interrupted; nothing half-written is left" : error.what());
+  } catch (const std::exception& thrown) {
+    const tafoni::Error error = as_error(thrown);
+    tafoni::cli::print_error(error, wants_json(argc, argv));
     return static_cast<int>(error.kind());
-  } catch (const std::bad_alloc&) {
-    print_error("not enough memory; use a larger --voxel, a smaller --window, or --tiles");
-  } catch (const std::exception& error) {
-    print_error(fmt::format("internal error: {}; please report it", error.what()));
   }
-  return static_cast<int>(tafoni::ErrorKind::internal);
 }

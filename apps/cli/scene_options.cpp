@@ -16,17 +16,19 @@ namespace fs = std::filesystem;
 
 void SceneOptions::declare(Args& args) {
   args.group("Scene");
-  args.texts("--set", "TARGET.NAME=VALUE", set,
-             "Sets a parameter of a layer, a geology, the terrain or the scene; may be repeated");
+  args.texts(
+      "--set", "TARGET.NAME=VALUE", set,
+      "Sets a parameter of a layer, a geology, the terrain or the scene, as in karst.radius=4; a list is "
+      "written NAME=1,2,3; may be repeated");
   args.text(
       "--dem", "FILE", dem,
       "Path of an elevation model to put the scene on in place of its own; the voxel then follows from it");
   args.numbers("--window", "X,Y,W,H", window, 4,
                "Column, row, width and height of the part of the elevation model to use, in pixels; default: "
                "all of it");
-  args.number("--resolution", "M", resolution, 0, 1e5, "m",
+  args.number("--resolution", "M", resolution, 1e-4, 1e5, "m",
               "Pixel size to bring the elevation model to; default: its own");
-  args.number("--voxel", "M", voxel, 0, 1e5, "m",
+  args.number("--voxel", "M", voxel, 1e-4, 1e5, "m",
               "Size of a cell of the lattice: smaller shows more detail and takes more time and memory; "
               "default: what the scene says, else chosen from the terrain's pixel size and extent");
   args.choice("--boundary", boundary, {"solid", "open"},
@@ -93,6 +95,7 @@ void OutputOptions::declare(Args& args) {
       "Writes colours in GLB files as floats, in three times the space, for programs that misread bytes, "
       "such as Godot 3; default: bytes");
   args.flag("--half", half, "Writes volumes in half precision, in half the space; default: single precision");
+  args.flag("--force", force, "Builds also what seems to take more memory or disk than there is");
   args.flag("--dry-run", dry_run, "Predicts triangles, memory and bytes, and writes nothing");
 }
 

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <deque>
 
+#include "cost.h"
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "tafoni/core/clock.h"
 #include "tafoni/core/error.h"
 #include "tafoni/core/files.h"
 #include "tafoni/field/chunks.h"
@@ -114,39 +116,29 @@ double band_of(const OutputOptions& outputs, const scene::BuiltScene& scene) {
   return outputs.band.value_or(4 * scene.voxel);
 }
 
-void print_prediction(const scene::BuiltScene& scene, const OutputOptions& outputs, Console& console) {
-  const scene::Prediction p = scene::predict(scene, console);
+Work work_of(const scene::BuiltScene& scene, const OutputOptions& outputs) {
   const Files files(outputs);
-  Vec3i n{0, 0, 0};
-  std::uint64_t volume_bytes = 0;
-  if (!files.volumes.empty()) {
-    const double band = band_of(outputs, scene);
-    n = scene::volume_frame(scene, band, console).size;
-    // Two triangles a cell of the surface; what is within the band of it is stored sample by sample.
-    const double all = static_cast<double>(n.x) * n.y * n.z;
-    const double near = band > 0 ? static_cast<double>(p.triangles) * band / scene.voxel : all;
-    volume_bytes = static_cast<std::uint64_t>(std::min(near, all)) * (outputs.half ? 2 : 4);
-  }
-  if (console.json()) {
-    Json json = {{"voxel_m", p.voxel},
-                 {"triangles", p.triangles},
-                 {"vertices", p.vertices},
-                 {"memory_bytes", p.memory},
-                 {"glb_bytes", p.file_bytes}};
-    if (volume_bytes > 0) json["samples"] = {n.x, n.y, n.z}, json["volume_bytes"] = volume_bytes;
-    console.result(json.dump(2) + "\n");
-    return;
-  }
-  std::string out = fmt::format(
-      "at a voxel of {:g} m, judged from one of {:g} m:\n"
-      "triangles  about {}\nmemory     about {}\n",
-      p.voxel, p.coarse_voxel, with_commas(p.triangles), as_bytes(p.memory));
-  if (files.volumes.empty() || !files.meshes.empty())
-    out += fmt::format("GLB file   about {}\n", as_bytes(p.file_bytes));
-  if (volume_bytes > 0)
-    out += fmt::format("volume     {} x {} x {} samples, about {} before it is packed\n", n.x, n.y, n.z,
-                       as_bytes(volume_bytes));
-  console.result(out);
+  Work work;
+  work.meshes = files.meshes;
+  work.volumes = files.volumes;
+  work.tiles = files.meshes.empty() ? 1 : static_cast<int>(outputs.tiles.value_or(1));
+  work.picture = !outputs.preview.empty();
+  work.meshed = !files.meshes.empty() || work.picture || !outputs.report.empty() || files.volumes.empty();
+  work.band = band_of(outputs, scene);
+  work.half = outputs.half;
+  return work;
+}
+
+/// Seconds of what was made of a mesh, by what that is.
+struct Times {
+  double picture = 0, write = 0;
+};
+
+template <class F>
+void timed(double& seconds, const F& work) {
+  const double start = now();
+  work();
+  seconds += now() - start;
 }
 
 [[noreturn]] void fail_without_surface(const scene::BuiltScene& scene, const scene::MeshResult& result) {
@@ -176,7 +168,7 @@ void tell_missing(int tiles, const std::vector<surface::TileIndex>& written, Con
 }
 
 scene::MeshResult write_tiles(const scene::BuiltScene& scene, const std::vector<std::string>& files,
-                              const OutputOptions& outputs, std::vector<fs::path>& written,
+                              const OutputOptions& outputs, std::vector<fs::path>& written, Times& times,
                               Console& console) {
   std::deque<TileFolder> folders;
   for (const std::string& file : files) folders.emplace_back(file);
@@ -187,9 +179,11 @@ scene::MeshResult write_tiles(const scene::BuiltScene& scene, const std::vector<
       [&](surface::TileIndex index, mesh::Mesh&& tile) {
         if (tile.triangles.empty()) return;
         if (outputs.texture) mesh::box_texture(tile, *outputs.texture);
-        for (std::size_t i = 0; i < files.size(); ++i)
-          io::write_mesh(folders[i].next(index), tile, metadata(scene, files[i]), console,
-                         form_of(outputs, files[i]));
+        timed(times.write, [&] {
+          for (std::size_t i = 0; i < files.size(); ++i)
+            io::write_mesh(folders[i].next(index), tile, metadata(scene, files[i]), console,
+                           form_of(outputs, files[i]));
+        });
         written_tiles.push_back(index);
       },
       console);
@@ -201,40 +195,80 @@ scene::MeshResult write_tiles(const scene::BuiltScene& scene, const std::vector<
 }
 
 scene::MeshResult write_whole(const scene::BuiltScene& scene, const std::vector<std::string>& files,
-                              const OutputOptions& outputs, std::vector<fs::path>& written,
+                              const OutputOptions& outputs, std::vector<fs::path>& written, Times& times,
                               Console& console) {
   scene::MeshResult result = scene::mesh_scene(scene, console);
   if (result.mesh.triangles.empty()) fail_without_surface(scene, result);
   if (outputs.texture) mesh::box_texture(result.mesh, *outputs.texture);
   for (const std::string& file : files) {
-    io::write_mesh(file, result.mesh, metadata(scene, file), console, form_of(outputs, file));
+    timed(times.write, [&] {
+      io::write_mesh(file, result.mesh, metadata(scene, file), console, form_of(outputs, file));
+    });
     written.emplace_back(file);
   }
   if (!outputs.preview.empty()) {
-    render::RenderSettings settings;
-    settings.sea_level = scene::sea_level(scene.document);
-    const render::Scene picture(result.mesh, console);
-    io::write_image(outputs.preview, picture.render(picture.frame(settings), settings, console));
+    raster::Image picture;
+    timed(times.picture, [&] {
+      render::RenderSettings settings;
+      settings.sea_level = scene::sea_level(scene.document);
+      const render::Scene view(result.mesh, console);
+      picture = view.render(view.frame(settings), settings, console);
+    });
+    timed(times.write, [&] { io::write_image(outputs.preview, picture); });
     written.emplace_back(outputs.preview);
   }
   return result;
 }
 
-void write_volumes(const scene::BuiltScene& scene, const OutputOptions& outputs,
-                   const std::vector<std::string>& files, std::vector<fs::path>& written, Console& console) {
+std::string write_volumes(const scene::BuiltScene& scene, const OutputOptions& outputs,
+                          const std::vector<std::string>& files, std::vector<fs::path>& written,
+                          scene::Seconds& seconds, Console& console) {
   volume::SampleSettings settings;
   settings.band = band_of(outputs, scene);
   if (outputs.half) settings.precision = volume::Precision::half;
+  const double start = now();
   io::Volume volume = scene::sample_scene(scene, settings, console);
+  const double sampled = now();
   for (const std::string& file : files) {
     volume.metadata = metadata(scene, file);
     io::write_volume(file, volume, console);
     written.emplace_back(file);
   }
+  seconds.emplace_back("sample volume", sampled - start);
+  seconds.emplace_back("write volume", now() - sampled);
   const Vec3i n = volume.grid.frame().size;
-  if (!console.json())
-    console.print(fmt::format("volume: {} x {} x {} samples of {:g} m, {} in memory\n", n.x, n.y, n.z,
-                              volume.grid.frame().spacing, as_bytes(volume.grid.bytes())));
+  return fmt::format("volume: {} x {} x {} samples of {:g} m, {} in memory\n", n.x, n.y, n.z,
+                     volume.grid.frame().spacing, as_bytes(volume.grid.bytes()));
+}
+
+/// Makes everything that is asked for, the report last, which tells of the rest.
+void make_outputs(const scene::BuiltScene& scene, const OutputOptions& outputs,
+                  std::vector<fs::path>& written, Console& console) {
+  const Files files(outputs);
+  const Work work = work_of(scene, outputs);
+  if (!outputs.force) check_cost(scene, work, console);
+  std::optional<scene::MeshResult> result;
+  Times times;
+  if (work.tiles > 1)
+    result = write_tiles(scene, files.meshes, outputs, written, times, console);
+  else if (work.meshed)
+    result = write_whole(scene, files.meshes, outputs, written, times, console);
+  scene::Seconds seconds;
+  if (work.picture) seconds.emplace_back("picture", times.picture);
+  if (times.write > 0) seconds.emplace_back("write", times.write);
+  std::string volume;
+  if (!files.volumes.empty())
+    volume = write_volumes(scene, outputs, files.volumes, written, seconds, console);
+  const scene::Report report(scene, result ? &*result : nullptr, seconds);
+  const std::string json = report.json(console.warnings());
+  if (!outputs.report.empty()) {
+    write_file(outputs.report, json);
+    written.emplace_back(outputs.report);
+  }
+  if (console.json())
+    console.result(json);
+  else
+    console.print(summary(scene, report) + volume);
 }
 
 }  // namespace
@@ -289,32 +323,18 @@ void run_scene(const scene::Document& document, const std::string& scene_file, c
   std::vector<fs::path> written;
   if (outputs.builds() || outputs.dry_run) {
     const scene::BuiltScene scene = scene::build(document, console);
-    if (outputs.dry_run) return print_prediction(scene, outputs, console);
-    const Files files(outputs);
-    const std::int64_t tiles = outputs.tiles.value_or(1);
-    std::optional<scene::MeshResult> result;
-    if (tiles > 1 && !files.meshes.empty())
-      result = write_tiles(scene, files.meshes, outputs, written, console);
-    else if (!files.meshes.empty() || !outputs.preview.empty() || !outputs.report.empty())
-      result = write_whole(scene, files.meshes, outputs, written, console);
-    const scene::Report report(scene, result ? &*result : nullptr);
-    const std::string json = report.json(console.warnings());
-    if (!outputs.report.empty()) {
-      write_file(outputs.report, json);
-      written.emplace_back(outputs.report);
-    }
-    if (console.json())
-      console.result(json);
-    else
-      console.print(summary(scene, report));
-    if (!files.volumes.empty()) write_volumes(scene, outputs, files.volumes, written, console);
+    if (outputs.dry_run) return print_cost(scene, work_of(scene, outputs), console);
+    make_outputs(scene, outputs, written, console);
   }
   if (!outputs.save_scene.empty()) {
     scene::save_copy(document, outputs.save_scene);
     written.emplace_back(outputs.save_scene);
   }
-  if (!console.json())
+  if (!console.json()) {
     for (const fs::path& path : written) console.print(file_line(path));
+  } else if (!outputs.builds()) {
+    console.result(json_text({{"files", {outputs.save_scene}}}));
+  }
 }
 
 }  // namespace tafoni::cli

@@ -45,6 +45,7 @@ struct OutputOptions {
   bool float_colors = false;
   bool half = false;
   bool dry_run = false;
+  bool force = false;
 
   void declare(Args& args);
   /// Whether anything is asked for that takes building the scene.

@@ -12,8 +12,8 @@ class Errors(Case):
         self.fails(2, 'unknown command "amplfy"; did you mean amplify?', "amplfy")
         self.fails(2, "unknown option --voxl; did you mean --voxel?", "build", "hill.asc", "--voxl", "1")
         self.fails(2, "SCENE is required", "build")
-        self.fails(2, "--voxel must be a number, 0 to 100000 m", "build", "hill.asc", "--voxel", "x", "-o", "a.glb")
-        self.fails(2, "--voxel = -3 is outside 0 to 100000 m", "build", "hill.asc", "--voxel", "-3", "-o", "a.glb")
+        self.fails(2, "--voxel must be a number, 0.0001 to 100000 m", "build", "hill.asc", "--voxel", "x", "-o", "a.glb")
+        self.fails(2, "--voxel = -3 is outside 0.0001 to 100000 m", "build", "hill.asc", "--voxel", "-3", "-o", "a.glb")
         self.fails(2, "--boundary", "build", "hill.asc", "--boundary", "opn", "-o", "a.glb")
         self.fails(2, 'did you mean "karst"?', "amplify", "hill.asc", "-l", "karts", "-o", "a.glb")
         self.fails(2, "did you mean", "amplify", "hill.asc", "--geology", "stata", "-o", "a.glb")
@@ -24,7 +24,7 @@ class Errors(Case):
         self.fails(2, "did you mean", "list", "landforms", "karsts")
         self.fails(2, "did you mean", "generate", "cost", "-o", "a.tif")
         self.fails(2, "unknown parameter", "generate", "coast", "-o", "a.tif", "--set", "widht=3")
-        self.fails(2, "must have 6", "render", "hill.asc", "--camera", "-1,2,3", "-o", "a.png")
+        self.fails(2, "must be 6 numbers, each -1e+09 to 1e+09, written as in 1,2,3,4,5,6, not", "render", "hill.asc", "--camera", "-1,2,3", "-o", "a.png")
         self.assertEqual(self.files(), ["hill.asc"])
 
     def test_scenes_that_ask_for_too_much(self):

@@ -4,6 +4,7 @@
 #include "command.h"
 #include "scene_run.h"
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
 #include "tafoni/core/error.h"
 #include "tafoni/io/dem.h"
@@ -44,8 +45,17 @@ int run(const Generate& g, Console& console) {
   if (raster.crs.empty())
     raster.crs = R"(LOCAL_CS["Local metres",UNIT["metre",1],AXIS["Easting",EAST],AXIS["Northing",NORTH]])";
   io::write_geotiff(g.output, raster);
-  console.print(fmt::format("{}  {} x {} pixels of {:g} m\n", g.output, raster.width(), raster.height(),
-                            raster.placement.dx));
+  if (console.json())
+    console.result(json_text({{"file", g.output},
+                              {"generator", type.about.name},
+                              {"seed", g.seed.value_or(0)},
+                              {"width", raster.width()},
+                              {"height", raster.height()},
+                              {"pixel_m", raster.placement.dx},
+                              {"warnings", console.warnings()}}));
+  else
+    console.print(fmt::format("{}  {} x {} pixels of {:g} m\n", g.output, raster.width(), raster.height(),
+                              raster.placement.dx));
   return 0;
 }
 

@@ -109,7 +109,8 @@ std::string volume_text(const Json& v) {
                             v["greatest_m"].get<double>()));
   row("memory", fmt::format("{}, {} of {} chunks hold more than one value", as_bytes(v["memory_bytes"]),
                             with_commas(v["full_chunks"]), with_commas(v["chunks"])));
-  if (!v["generator"].empty()) row("made by", v["generator"].dump());
+  if (!v["generator"].empty())
+    row("made by", v["generator"].dump(-1, ' ', false, Json::error_handler_t::replace));
   return out;
 }
 
@@ -194,7 +195,7 @@ std::pair<Json, std::string> source_of(const std::string& file, const io::DemOpt
 
 int run(const std::string& file, Console& console) {
   const auto print = [&](const Json& json, const std::string& text) {
-    console.result(console.json() ? json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : text);
+    console.result(console.json() ? json_text(json) : text);
     return 0;
   };
   if (!is_scene_file(file)) {

@@ -187,7 +187,7 @@ int run_sgm(const Options& o, Console& console) {
   } else if (console.json()) {
     Json json = Json::array();
     for (const scene::SgmMeasures& row : rows) json.push_back(json_of(row));
-    out = (rows.size() == 1 ? json[0] : json).dump(2) + "\n";
+    out = json_text(rows.size() == 1 ? json[0] : json);
   } else {
     for (const scene::SgmMeasures& row : rows) out += (out.empty() ? "" : "\n") + text_of(row);
   }
@@ -217,7 +217,7 @@ std::function<int(Console&)> setup(Args& args) {
     if (o->csv || o->cube || !o->details.empty() || !o->layer.empty())
       fail(ErrorKind::usage, "--details, --cube, --layer and --csv go with --sgm");
     const mesh::MeshMetrics m = mesh::metrics(mesh_of(o->file, console));
-    console.result(console.json() ? json_of(m).dump(2) + "\n" : text_of(m));
+    console.result(console.json() ? json_text(json_of(m)) : text_of(m));
     return 0;
   };
 }

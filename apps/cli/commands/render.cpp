@@ -5,11 +5,15 @@
 #include <cctype>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "command.h"
+#include "cost.h"
 #include "scene_run.h"
 #include <fmt/core.h>
+#include <nlohmann/json.hpp>
 
+#include "tafoni/core/clock.h"
 #include "tafoni/core/error.h"
 #include "tafoni/io/format.h"
 #include "tafoni/io/image_file.h"
@@ -25,7 +29,7 @@ struct Render {
   std::string input, output;
   SceneOptions scene;
   std::vector<double> camera, inside, size, cut;
-  bool is_inside = false, geology = false;
+  bool is_inside = false, geology = false, force = false;
   std::optional<double> fov, azimuth, elevation, sun_azimuth, sun_elevation, exposure, haze, sea_level;
   std::optional<std::int64_t> samples;
 };
@@ -99,7 +103,11 @@ mesh::Mesh mesh_of(const Render& r, render::RenderSettings& settings, Console& c
   check_output(r.output, inputs);
   if (r.geology) return geology_of(r, document, settings, console);
   if (!settings.sea_level) settings.sea_level = scene::sea_level(document);
-  return scene::mesh_scene(scene::build(document, console), console).mesh;
+  const scene::BuiltScene scene = scene::build(document, console);
+  Work work;
+  work.picture = true;
+  if (!r.force) check_cost(scene, work, console);
+  return scene::mesh_scene(scene, console).mesh;
 }
 
 int run(const Render& r, Console& console) {
@@ -108,13 +116,31 @@ int run(const Render& r, Console& console) {
   render::RenderSettings settings = settings_of(r);
   if (!r.cut.empty() && !r.geology) fail(ErrorKind::usage, "--cut: needs --geology");
   if (r.geology && r.is_inside) fail(ErrorKind::usage, "--geology and --inside exclude each other");
+  double start = now();
+  const auto lap = [&start] { return now() - std::exchange(start, now()); };
   const mesh::Mesh mesh = mesh_of(r, settings, console);
+  const double mesh_seconds = lap();
   const auto scene = of_file(r.input, [&] { return std::make_unique<const render::Scene>(mesh, console); });
   const render::Camera camera = camera_of(r, *scene, settings);
-  io::write_image(r.output, scene->render(camera, settings, console));
-  console.print(fmt::format("{}  {} x {} pixels\ncamera {},{},{},{},{},{}\n", r.output, settings.width,
-                            settings.height, camera.eye.x, camera.eye.y, camera.eye.z, camera.target.x,
-                            camera.target.y, camera.target.z));
+  const raster::Image picture = scene->render(camera, settings, console);
+  const double picture_seconds = lap();
+  io::write_image(r.output, picture);
+  if (console.json())
+    console.result(
+        json_text({{"file", r.output},
+                   {"width", settings.width},
+                   {"height", settings.height},
+                   {"camera",
+                    {{"eye", {camera.eye.x, camera.eye.y, camera.eye.z}},
+                     {"target", {camera.target.x, camera.target.y, camera.target.z}},
+                     {"fov_deg", camera.fov / degree}}},
+                   {"triangles", mesh.triangles.size()},
+                   {"seconds", {{"mesh", mesh_seconds}, {"picture", picture_seconds}, {"write", lap()}}},
+                   {"warnings", console.warnings()}}));
+  else
+    console.print(fmt::format("{}  {} x {} pixels\ncamera {},{},{},{},{},{}\n", r.output, settings.width,
+                              settings.height, camera.eye.x, camera.eye.y, camera.eye.z, camera.target.x,
+                              camera.target.y, camera.target.z));
   return 0;
 }
 
@@ -160,6 +186,7 @@ std::function<int(Console&)> setup(Args& args) {
   args.number("--sea-level", "M", r->sea_level, -2e4, 2e4, "m",
               "Elevation of a water surface to draw; default: the scene's own, if it has one");
   r->scene.declare(args);
+  args.flag("--force", r->force, "Makes also what seems to take more memory than there is");
   return [r](Console& console) { return run(*r, console); };
 }
 

@@ -1,4 +1,5 @@
 // tafoni sculpt: adds strokes to a scene's journal, takes them back, mutes or lists them.
+#include <algorithm>
 #include <memory>
 
 #include "command.h"
@@ -7,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/params.h"
 #include "tafoni/io/csv.h"
 #include "tafoni/scene/session.h"
 
@@ -16,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Sculpt {
-  std::string scene_file, layer, strokes_file, write;
+  std::string scene_file, layer, new_layer, strokes_file, write;
   std::vector<std::string> strokes;
   std::optional<std::int64_t> undo, redo, go_to, mute, unmute;
   bool list = false, all = false;
@@ -40,7 +42,7 @@ void print_list(const std::vector<scene::Journal::Entry>& strokes, Console& cons
     Json list = Json::array();
     for (const auto& entry : strokes)
       list.push_back({{"id", entry.id}, {"muted", entry.muted}, {"stroke", scene::to_text(*entry.stroke)}});
-    console.result(list.dump(2) + "\n");
+    console.result(json_text(list));
     return;
   }
   std::string out;
@@ -58,11 +60,34 @@ std::string as_file(const std::vector<scene::Journal::Entry>& strokes) {
   return out;
 }
 
-/// What changes the journal, in the order in which --help names it.
+/// The layer that strokes go to or are asked of. A name that no layer has is a slip of the pen.
+std::size_t layer_of(const Sculpt& s, scene::Session& session) {
+  const auto& layers = session.document().layers;
+  std::vector<std::string> known;
+  for (const scene::Layer& layer : layers)
+    if (!layer.settings.name.empty()) known.push_back(layer.settings.name);
+  const auto has = [&](const std::string& name) {
+    return std::find(known.begin(), known.end(), name) != known.end();
+  };
+  if (!s.new_layer.empty()) {
+    if (!s.layer.empty()) fail(ErrorKind::usage, "--layer and --new-layer exclude each other");
+    if (has(s.new_layer))
+      fail(ErrorKind::usage, "--new-layer {}: {} has a layer of this name; give --layer {}", s.new_layer,
+           s.scene_file, s.new_layer);
+    return session.sculpt_layer(s.new_layer);
+  }
+  if (s.layer.empty() || has(s.layer)) return session.sculpt_layer(s.layer);
+  const std::string near = nearest(s.layer, known);
+  fail(ErrorKind::usage, "--layer {}: {} has no layer of this name; {}give --new-layer {} to make one",
+       s.layer, s.scene_file, near.empty() ? "" : fmt::format("did you mean \"{}\"? Or ", near), s.layer);
+}
+
+/// What changes the journal, in the order in which --help names it. What was done goes to `done`.
 void edit(const Sculpt& s, scene::Session& session, std::size_t layer,
-          const std::vector<scene::Stroke>& strokes, bool changes, Console& console) {
+          const std::vector<scene::Stroke>& strokes, bool changes, Json& done, Console& console) {
   const auto other = changes ? session.borrowed_from(layer) : std::nullopt;
   const auto say = [&](const char* what, std::size_t n) {
+    done[what] = n;
     if (!console.json()) console.print(fmt::format("{}  {} stroke{}\n", what, n, n == 1 ? "" : "s"));
   };
   if (s.undo) say("undone", session.undo(layer, *s.undo));
@@ -100,9 +125,11 @@ int run(const Sculpt& s, Console& console) {
          "nothing to do: give --stroke, --strokes, --undo, --redo, --mute, --unmute, --list or --write");
   const auto strokes = strokes_of(s);
   scene::Session session = scene::Session::open(s.scene_file);
-  const std::size_t layer = session.sculpt_layer(s.layer);
+  const std::size_t layer = layer_of(s, session);
   check_files(s, session);
-  edit(s, session, layer, strokes, changes, console);
+  Json done = Json::object();
+  edit(s, session, layer, strokes, changes, done, console);
+  if (console.json() && !s.list && !s.all && !builds) console.result(json_text(done));
   if (s.list || s.all) print_list(s.all ? session.history(layer) : session.strokes(layer), console);
   if (!s.write.empty()) {
     check_files(s, session);  // the layer's journal may be new
@@ -119,7 +146,8 @@ std::function<int(Console&)> setup(Args& args) {
   auto s = std::make_shared<Sculpt>();
   args.positional("SCENE", s->scene_file, "Path of a scene file (.toml)");
   args.text("--layer", "NAME", s->layer,
-            "Name of the sculpt layer, which is made where there is none; default: the last one");
+            "Name of the sculpt layer; default: the last one, which is made where there is none");
+  args.text("--new-layer", "NAME", s->new_layer, "Name of a sculpt layer to add after the others");
   args.group("Strokes");
   args.texts(
       "--stroke", "STROKE", s->strokes,

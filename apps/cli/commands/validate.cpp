@@ -46,7 +46,7 @@ int run(const std::string& file, bool must_be_closed, Console& console) {
     json["closed"] = report.closed();
     json["valid"] = valid;
     json["defects"] = found;
-    console.result(json.dump(2) + "\n");
+    console.result(json_text(json));
   } else {
     std::string text;
     for (const auto& [name, count] : rows_of(report))

@@ -185,6 +185,33 @@ std::string quote(const std::string& text) {
   return out + '"';
 }
 
+/// How the command line writes a list: "1,2,3".
+std::string list_example(const ParamInfo& info) {
+  std::string out;
+  for (std::size_t i = 1; i <= (info.count == 0 ? 3 : info.count); ++i)
+    out += fmt::format("{}{}", out.empty() ? "" : ",", i);
+  return out;
+}
+
+/// Numbers between commas, in brackets or not.
+Value parse_list(const ParamInfo& info, std::string_view text, std::string_view where) {
+  std::string_view body = text;
+  if (!body.empty() && body.front() == '[' && body.back() == ']') body = body.substr(1, body.size() - 2);
+  std::vector<double> list;
+  bool wrong = false;
+  for (std::size_t begin = 0; !trim(body).empty() && begin <= body.size();) {
+    const std::size_t end = std::min(body.find(',', begin), body.size());
+    const auto v = number(trim(body.substr(begin, end - begin)));
+    wrong = wrong || !v;
+    list.push_back(v.value_or(0));
+    begin = end + 1;
+  }
+  if (wrong || (info.count != 0 && list.size() != info.count))
+    fail(ErrorKind::usage, "{}: {} must be {}, written as in {}, not {}", where, info.name, allowed(info),
+         list_example(info), quote(std::string(text)));
+  return check_value(info, list, where);
+}
+
 /// TOML tells reals from integers by the point or the exponent.
 std::string real_text(double v) {
   std::string out = fmt::format("{}", v);
@@ -365,17 +392,7 @@ Value parse_value(const ParamInfo& info, std::string_view raw, std::string_view 
     case ValueKind::numbers:
       break;
   }
-  std::string_view body = text;
-  if (!body.empty() && body.front() == '[' && body.back() == ']') body = body.substr(1, body.size() - 2);
-  std::vector<double> list;
-  for (std::size_t begin = 0; !trim(body).empty() && begin <= body.size();) {
-    const std::size_t end = std::min(body.find(',', begin), body.size());
-    const auto v = number(trim(body.substr(begin, end - begin)));
-    if (!v) wrong_kind(info, shown, where);
-    list.push_back(*v);
-    begin = end + 1;
-  }
-  return check_value(info, list, where);
+  return parse_list(info, text, where);
 }
 
 void assign(std::span<const ParamInfo> infos, void* object, const Values& values, std::string_view where) {
@@ -413,10 +430,14 @@ std::string nearest(std::string_view word, std::span<const std::string> known) {
   for (const std::string& name : known) {
     const std::string candidate = lower(name);
     const std::size_t longer = std::max(sought.size(), candidate.size());
-    const std::size_t distance = edit_distance(sought, candidate);
-    // Beyond a third of the letters it is another word; the start of a word is near whatever is left.
+    const std::size_t shorter = std::min(sought.size(), candidate.size());
+    // Beyond a third of the letters it is another word; the start of a word is near whatever is left. A word
+    // may be a whole file by mistake, whose length alone tells.
+    const std::size_t most = std::max<std::size_t>(longer / 3, 1);
     const bool start = sought.size() >= 3 && candidate.compare(0, sought.size(), sought) == 0;
-    if (!start && (distance > std::max<std::size_t>(longer / 3, 1) || distance >= longer)) continue;
+    if (!start && longer - shorter > most) continue;
+    const std::size_t distance = edit_distance(sought, candidate);
+    if (!start && (distance > most || distance >= longer)) continue;
     if (best.empty() || distance < best_distance) {
       best = name;
       best_distance = distance;

@@ -26,6 +26,7 @@ struct Fact {
   std::string name;
   Content content;
   Unit unit = Unit::none;
+  std::string about = {};  ///< a phrase that says what is counted or measured
   bool operator==(const Fact&) const = default;
 };
 
@@ -48,6 +49,12 @@ class Facts {
     return add(std::move(name), Places{std::move(local)});
   }
 
+  /// Explains the fact told last, for reports.
+  Facts& about(std::string phrase) {
+    all_.back().about = std::move(phrase);
+    return *this;
+  }
+
   /// Null where nothing of this name was told, or not as a T.
   template <class T>
   const T* find(std::string_view name) const {
@@ -63,7 +70,7 @@ class Facts {
 
  private:
   Facts& add(std::string name, Fact::Content content, Unit unit = Unit::none) {
-    all_.push_back({std::move(name), std::move(content), unit});
+    all_.push_back({std::move(name), std::move(content), unit, {}});
     return *this;
   }
   std::vector<Fact> all_;

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -39,9 +40,15 @@ struct Result {
   /// A change of the tree that is more than a sum: a union with a solid, a warp, an erosion node. Pure.
   std::function<field::NodePtr(field::NodePtr)> reshape;
   Box3d reshaped;  ///< local; outside of it reshape() changes no value. Empty: nothing reshaped
+  /// Local z below which the surface stays where it is, though values may change there; where it is not told,
+  /// that of `reshaped` and the nodes.
+  std::optional<double> lowest;
   std::vector<field::NodePtr> nodes;  ///< blended, in this order
   Facts facts;                        ///< what reports tell of it
 };
+
+/// Local z below which the surface stays where it was; minus infinity where that is not known.
+double lowest_change(const Result& result);
 
 /// The tree with the landform on it.
 field::NodePtr apply_to(const field::NodePtr& tree, const Result& result);

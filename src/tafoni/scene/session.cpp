@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "tafoni/core/error.h"
+#include "tafoni/scene/build/impl/base.h"
 #include "tafoni/scene/build/impl/builder.h"
+#include "tafoni/scene/build/impl/outside.h"
 #include "tafoni/scene/layers/layer.h"
 #include "tafoni/scene/sculpt/impl/own_journal.h"
 #include "tafoni/scene/sculpt/impl/sculpt.h"
@@ -67,6 +69,25 @@ struct Session::State {
     if (Journal* j = journal(layer))
       for (const Journal::Entry& entry : j->strokes()) out.push_back({entry.stroke, entry.muted});
     return out;
+  }
+
+  /// A stroke that cannot be cooked, or does nothing, must not reach the journal: it would trouble every
+  /// build.
+  void check(std::span<const Stroke> strokes) {
+    const terrain::Terrain terrain = builder.terrain(document, silent());
+    impl::SculptFrame frame;
+    frame.origin = terrain.origin;
+    frame.amplitude = document.terrain.amplitude;
+    const auto over = [&](const Box3d& box) {
+      return impl::over_domain(terrain, box) && box.hi.z > terrain.box.lo.z - impl::deepest_base;
+    };
+    impl::SculptCook trial;
+    for (const Stroke& stroke : strokes) {
+      const impl::Slot slot{std::make_shared<Stroke>(parse_stroke(to_text(stroke), "stroke")), false};
+      if (impl::strokes_beside(*trial.cook({&slot, 1}, frame).value, over).count > 0)
+        fail(ErrorKind::usage, "the stroke \"{}\" lies outside of {}; give its points in the scene's CRS",
+             shown_stroke(stroke), impl::terrain_place(terrain));
+    }
   }
 
   /// Whether a change of the layer's journal would be one of somebody else's.
@@ -221,14 +242,7 @@ void Session::stroke(std::size_t layer, std::span<const Stroke> strokes) {
   State& s = *state_;
   s.sculpt(layer);
   if (strokes.empty()) return;
-  // A stroke that cannot be cooked must not reach the journal, where it would stop every build.
-  impl::SculptFrame frame;
-  frame.origin = strokes[0].points.at(0);
-  impl::SculptCook trial;
-  for (const Stroke& stroke : strokes) {
-    const impl::Slot slot{std::make_shared<Stroke>(parse_stroke(to_text(stroke), "stroke")), false};
-    trial.cook({&slot, 1}, frame);
-  }
+  s.check(strokes);
   Journal* journal = s.own_journal(layer);
   if (!journal) journal = s.give_journal(layer);
   journal->append(strokes);

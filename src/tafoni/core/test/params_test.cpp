@@ -135,6 +135,24 @@ TEST(Params, SentencesNameThePlaceTheValueAndTheRange) {
   EXPECT_EQ(set_error({{"label", true}}), "sea-cliff: label must be text, not true");
 }
 
+TEST(Params, TheCommandLineIsShownHowAListIsWritten) {
+  const auto said = [&](const char* text) {
+    return error_of([&] { parse_value(info("axis"), text, "--set sea-cliff.axis"); });
+  };
+  EXPECT_EQ(said("0 0 1"),
+            "--set sea-cliff.axis: axis must be 3 numbers, each -1 to 1, written as in 1,2,3, not \"0 0 1\"");
+  EXPECT_EQ(said("0,1"),
+            "--set sea-cliff.axis: axis must be 3 numbers, each -1 to 1, written as in 1,2,3, not \"0,1\"");
+  const Value axis = std::vector<double>{0, 0.5, 1};
+  EXPECT_EQ(parse_value(info("axis"), "0,0.5,1", "w"), axis);
+  EXPECT_EQ(parse_value(info("axis"), "[0, 0.5, 1]", "w"), axis);
+}
+
+TEST(Params, AWordThatIsAWholeFileIsNearNothing) {
+  const std::vector<std::string> known = {"range", "steps"};
+  EXPECT_EQ(nearest(std::string(20'000'000, 'r'), known), "");
+}
+
 TEST(Params, UnknownNameGetsTheNearest) {
   EXPECT_EQ(set_error({{"rnage", 1.0}}), "sea-cliff: unknown parameter \"rnage\"; did you mean \"range\"?");
   EXPECT_EQ(set_error({{"zzzzzz", 1.0}}),
@@ -164,8 +182,10 @@ TEST(Params, ParseErrors) {
   EXPECT_EQ(parse_error("steps", "99999999999999999999"),
             "sea-cliff: steps must be a whole number, 1 to 8, not \"99999999999999999999\"");
   EXPECT_EQ(parse_error("wet", "maybe"), "sea-cliff: wet must be true or false, not \"maybe\"");
-  EXPECT_EQ(parse_error("axis", "1,,2"), "sea-cliff: axis must be 3 numbers, each -1 to 1, not \"1,,2\"");
-  EXPECT_EQ(parse_error("axis", "1,2,"), "sea-cliff: axis must be 3 numbers, each -1 to 1, not \"1,2,\"");
+  EXPECT_EQ(parse_error("axis", "1,,2"),
+            "sea-cliff: axis must be 3 numbers, each -1 to 1, written as in 1,2,3, not \"1,,2\"");
+  EXPECT_EQ(parse_error("axis", "1,2,"),
+            "sea-cliff: axis must be 3 numbers, each -1 to 1, written as in 1,2,3, not \"1,2,\"");
 }
 
 TEST(Params, RowsGetTheColumnsTheyLack) {

@@ -193,9 +193,13 @@ class Arches {
   Result finish() const {
     Result result;
     result.facts.count("arches", std::ssize(windows_))
+        .about("Openings through walls of rock")
         .count("bridges", std::ssize(bridges_))
+        .about("Bridges of rock from one side of a hollow to the other")
         .places("positions", places_)
+        .about("x, y and z of each arch or bridge in turn")
         .lengths("opening_heights", heights_)
+        .about("Height of the opening of each arch or bridge")
         .count("primitives", 0);
     if (windows_.empty() && bridges_.empty()) return result;
     result.reshaped = reached_;

@@ -312,8 +312,11 @@ class CanyonWalls {
     const double pixel = ground_.site().heights->placement.dx * ground_.site().heights->placement.dy;
     result.facts.count("primitives", primitives_)
         .area("river_bed", static_cast<double>(cells) * pixel)
+        .about("Area of the pixels that the river flows over")
         .number("strongest_effect", strongest_)
-        .length("slot_length", slot_length_);
+        .about("Greatest erosion anywhere, from 0 for none to 1 for all that the parameters allow")
+        .length("slot_length", slot_length_)
+        .about("Length of the slots along the river");
     return result;
   }
 

@@ -126,7 +126,11 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
     hollow.add(chamber);
   }
   Result result = hollow.finish(progress);
-  result.facts.places("chambers", places).lengths("sizes", sizes).count("primitives", 0);
+  result.facts.places("chambers", places)
+      .about("x, y and z of the middle of each chamber in turn")
+      .lengths("sizes", sizes)
+      .about("Sides along x, y and z of each chamber in turn, before it is turned")
+      .count("primitives", 0);
   return result;
 }
 

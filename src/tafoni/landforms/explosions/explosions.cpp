@@ -205,8 +205,11 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
     for (const auto& node : result.nodes) primitives += field::stats(node).primitives;
   }
   result.facts.count("explosions", std::ssize(radii))
+      .about("Explosions that went off, at given places and at random ones")
       .places("positions", places)
+      .about("x, y and z of each blast in turn")
       .lengths("radii", radii)
+      .about("Radius of the crater of each blast")
       .count("primitives", primitives);
   return result;
 }

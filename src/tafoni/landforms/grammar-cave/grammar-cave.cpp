@@ -171,7 +171,10 @@ class Cave {
     }
     Result result;
     result.facts = facts_of(measures(box));
-    result.facts.places("entrances", {mouth->at}).places("route", way_.route);
+    result.facts.places("entrances", {mouth->at})
+        .about("x, y and z of the way in, on its floor")
+        .places("route", way_.route)
+        .about("x, y and z of places on the floor, from outside to the far end");
     const bool cast = p_.mode == "cast";
     result.reshape = [cast, rock = walls(box), floor = floors(), lip = lip()](const field::NodePtr& tree) {
       field::NodePtr carved = lip > 0 ? field::round_edge(tree, rock, lip) : field::intersect({tree, rock});
@@ -179,6 +182,7 @@ class Cave {
       return cast ? field::subtract(tree, carved) : carved;
     };
     result.reshaped = cast ? Box3d::everything() : around(box);
+    result.lowest = around(box).lo.z;
     return result;
   }
 
@@ -200,6 +204,7 @@ class Cave {
       return alone ? inside : field::unite({std::move(tree), inside});
     };
     result.reshaped = p_.alone ? Box3d::everything() : around(box);
+    result.lowest = around(box).lo.z;
     return result;
   }
 
@@ -214,7 +219,9 @@ class Cave {
   Result nothing(std::string_view why) {
     progress_.warn(fmt::format("grammar-cave makes nothing: {}", why));
     Result result;
-    result.facts.count("productions", 0).count("primitives", 0);
+    result.facts.count("productions", 0)
+        .about("Rules of the grammar that were applied, classic and morphic")
+        .count("primitives", 0);
     return result;
   }
 

@@ -11,13 +11,21 @@ constexpr const char *productions = "productions", *classic = "classic", *morphi
 Facts facts_of(const GrammarCaveMeasures& m) {
   Facts facts;
   facts.count(productions, m.productions())
+      .about("Rules of the grammar that were applied, classic and morphic")
       .count(classic, m.classic)
+      .about("Productions that put one more solid to the shape")
       .count(morphic, m.morphic)
+      .about("Productions that blend a solid into the shape")
       .count(elements, m.elements)
+      .about("Solids that the shape is made of")
       .length(size, m.size)
+      .about("Half the width of a middling shape")
       .count(detail, m.detail)
+      .about("Samples a size, L_D")
       .places(low, {m.box.lo})
+      .about("Least x, y and z of the box that holds the shape")
       .places(high, {m.box.hi})
+      .about("Greatest x, y and z of the box that holds the shape")
       .count("primitives", 0);
   return facts;
 }

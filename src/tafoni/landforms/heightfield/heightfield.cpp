@@ -94,7 +94,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   Result result;
   const auto inside = ground.box().empty() ? nullptr : outline(site, ground, progress);
   if (!inside) {
-    result.facts.area("area", 0).count("primitives", 0);
+    result.facts.area("area", 0).about("Area that the second elevation model covers").count("primitives", 0);
     return result;
   }
   const auto heights = second_model(site, p, progress);
@@ -121,7 +121,9 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   rock = field::intersect({std::move(rock), field::domain(prism, settings)});
   double area = 0;
   for (float v : inside->values.values()) area += v > 0;
-  result.facts.area("area", area * heights->placement.dx * heights->placement.dy).count("primitives", 0);
+  result.facts.area("area", area * heights->placement.dx * heights->placement.dy)
+      .about("Area that the second elevation model covers")
+      .count("primitives", 0);
   result.reshaped = box;
   result.reshaped.hi.z = tall;
   result.reshaped.lo.z = -tall;

@@ -121,7 +121,10 @@ class Hive {
     std::vector<Vec3d> stands;
     for (const Room& room : rooms_) stands.push_back(room.stand);
     Facts facts;
-    facts.places("entrances", opened_).places("chambers", stands);
+    facts.places("entrances", opened_)
+        .about("x, y and z of each way in from a hillside in turn")
+        .places("chambers", stands)
+        .about("x, y and z of a place to stand in each chamber in turn");
     facts.append(result.facts);
     result.facts = std::move(facts);
     if (opened_.empty() && p_.entrances > 0)
@@ -331,7 +334,9 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   const Ground ground(site);
   if (ground.box().empty()) {
     Result nothing;
-    nothing.facts.places("entrances", {}).count("primitives", 0);
+    nothing.facts.places("entrances", {})
+        .about("x, y and z of each way in from a hillside in turn")
+        .count("primitives", 0);
     return nothing;
   }
   const Box3d area = impl::find_hive_area(ground, p.size, p.depth);
@@ -355,6 +360,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   }
   const Ground made(crag);
   Result result = Hive(made, p, area, progress).run();
+  if (top.reshape) result.lowest = std::min(lowest_change(result), lowest_change(top));
   if (top.reshape && result.reshape)
     result.reshape = [first = top.reshape, then = result.reshape](field::NodePtr tree) {
       return then(first(std::move(tree)));

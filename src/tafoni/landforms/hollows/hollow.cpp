@@ -203,9 +203,13 @@ void Hollow::tell_routes(Facts& facts) const {
     points.push_back(count);
   }
   facts.count("tunnels", std::ssize(tunnels_))
+      .about("Tunnels that were dug")
       .length("tunnel_length", length)
+      .about("Length of the axes of all tunnels")
       .places("routes", routes)
-      .numbers("route_points", points);
+      .about("x, y and z of places on the floors, tunnel after tunnel")
+      .numbers("route_points", points)
+      .about("How many of the places in routes belong to each tunnel");
 }
 
 void Hollow::check_size(double reach) const {
@@ -235,7 +239,7 @@ Result Hollow::finish(Progress& progress) const {
   const double reach = site.amplitude + margin + spacing_;
   const Box3d box = bounds(reach + 2 * spacing_);
   if (box.empty()) {
-    result.facts.volume("volume", 0);
+    result.facts.volume("volume", 0).about("Volume of the rock that was taken away");
     return result;
   }
   check_size(reach);
@@ -245,7 +249,8 @@ Result Hollow::finish(Progress& progress) const {
     progress.check();
     volume::carve(grid, chamber);
   }
-  result.facts.volume("volume", carved_volume(grid, site.terrain));
+  result.facts.volume("volume", carved_volume(grid, site.terrain))
+      .about("Volume of the rock that was taken away");
   const auto shape = std::make_shared<HollowShape>(std::move(grid), texture_);
   const auto control = control_of(site, hollow_look::worn * spacing_);
   result.reshaped = box;

@@ -63,6 +63,8 @@ class Expression {
   /// Reads as far as an expression goes. Throws Error{usage} naming the column.
   static Expression compile(Scanner& text, const ExpressionNames& names);
   double operator()(const ExpressionInput& input) const;
+  /// How many operations a run takes.
+  std::size_t steps() const { return steps_.size(); }
 
  private:
   friend class ExpressionCompiler;

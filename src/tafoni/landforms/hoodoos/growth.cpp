@@ -19,6 +19,10 @@ enum class GrowthStream : std::uint64_t { choices = 0x6772 };
 constexpr std::size_t most_symbols = 20000;
 constexpr int deepest_growth = 1000;
 constexpr double most_repeats = 1000;
+// What is made counts also where it is too small to stay, and so does each step of an expression: a tenth of
+// a second.
+constexpr double most_made = 200000;
+constexpr std::size_t most_steps = 20'000'000;
 
 /// What expressions can read: a derivation's values by place, and their names.
 struct Read {
@@ -209,6 +213,10 @@ class Derivation {
       if (n > most_repeats)
         fail(ErrorKind::usage, "{}, make, column {}: repeat = {} is more than {}", rule->where, term.column,
              n, most_repeats);
+      made_ += std::max(n, 0.0);
+      if (made_ > most_made)
+        fail(ErrorKind::usage, "{}, make, column {}: more than {} shapes in one hoodoo; let it repeat less",
+             rule->where, term.column, most_made);
       for (double i = 0; i < n; ++i) {
         set_repeat(i, n);
         make(at, *rule, term);
@@ -220,6 +228,7 @@ class Derivation {
     double total = 0;
     weights_.clear();
     for (const GrowthRules::Rule& rule : symbol.rules) {
+      check_steps(rule);
       const double w = run(rule.weight);
       if (!std::isfinite(w))
         fail(ErrorKind::usage, "{}, weight: its value is not a finite number", rule.where);
@@ -238,6 +247,7 @@ class Derivation {
   }
 
   void make(const Place& at, const GrowthRules::Rule& rule, const GrowthRules::Term& term) {
+    check_steps(rule);
     const double turn = at.turn + degree * finite(rule, term, "turn", run(term.turn));
     const double x = finite(rule, term, "x", run(term.x)), y = finite(rule, term, "y", run(term.y));
     const double z = finite(rule, term, "z", run(term.z));
@@ -291,7 +301,16 @@ class Derivation {
                                  : fmt::format("{} symbols", most_symbols));
   }
 
-  double run(const Expression& expression) { return expression({values_, &random_, &probe_}); }
+  void check_steps(const GrowthRules::Rule& rule) const {
+    if (steps_ <= most_steps) return;
+    fail(ErrorKind::usage, "{}: takes too long to work out; write shorter expressions, or fewer rules",
+         rule.where);
+  }
+
+  double run(const Expression& expression) {
+    steps_ += expression.steps();
+    return expression({values_, &random_, &probe_});
+  }
 
   static double finite(const GrowthRules::Rule& rule, const GrowthRules::Term& term, std::string_view what,
                        double value) {
@@ -312,6 +331,8 @@ class Derivation {
   std::array<double, std::size(variables)> values_{};
   std::function<double(double)> probe_;
   std::vector<double> weights_;
+  double made_ = 0;
+  std::size_t steps_ = 0;
   std::vector<Place> queue_;
   std::vector<Terminal> out_;
 };

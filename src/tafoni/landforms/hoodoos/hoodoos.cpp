@@ -181,9 +181,12 @@ class Hoodoos {
     }
     if (!solids.empty()) result.nodes.push_back(crease(field::blend(std::move(solids))));
     result.facts.count("hoodoos", std::ssize(feet))
+        .about("Hoodoos that grew")
         .count("primitives", primitives)
         .length("greatest_height", highest)
-        .places("positions", feet);
+        .about("Height of the tallest hoodoo above its foot")
+        .places("positions", feet)
+        .about("x, y and z of the foot of each hoodoo in turn");
     return result;
   }
 

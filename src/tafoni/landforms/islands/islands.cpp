@@ -143,8 +143,11 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
     sizes.push_back(island.size);
   }
   result.facts.count("islands", std::ssize(islands))
+      .about("Islands that float")
       .places("positions", std::move(places))
+      .about("x, y and z of the middle of each island in turn")
       .lengths("sizes", std::move(sizes))
+      .about("Width of each island")
       .count("primitives", 0);
   if (islands.empty()) return result;
   std::vector<field::NodePtr> trees;

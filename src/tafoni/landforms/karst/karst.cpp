@@ -101,13 +101,20 @@ Facts facts_of(const Ground& ground, const impl::CaveSystem& caves, const field:
     for (Vec3d p : passage.line) deepest = std::max(deepest, ground.height(p.x, p.y) - p.z);
   Facts facts;
   facts.count("entrances", std::ssize(caves.entrances))
+      .about("Ways into the caves from the surface: sinks, mouths in faces, exits and springs")
       .places("entrance_positions", caves.entrances)
+      .about("x, y and z of each entrance in turn")
       .count("chambers", std::ssize(caves.chambers))
+      .about("Places where a passage widens to a room")
       .length("passage_length", caves.length)
+      .about("Length of the middle lines of all passages")
       .count("networks", caves.networks)
+      .about("Groups of passages that lead into one another")
       .count("connected_networks", std::count(open.begin(), open.end(), true))
+      .about("Networks whose passages are all open along their middle lines; in the others rock closes one")
       .count("primitives", node ? field::stats(node).primitives : 0)
-      .length("greatest_depth", deepest);
+      .length("greatest_depth", deepest)
+      .about("Greatest vertical distance from the ground down to the middle line of a passage");
   return facts;
 }
 

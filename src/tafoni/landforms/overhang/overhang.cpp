@@ -120,7 +120,11 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
         if (ground.usable({at.x, at.y, z})) area += mask->values.at(col, row);
       }
   area *= mask->placement.dx * mask->placement.dy;
-  result.facts.area("area", area).length("amplitude", amplitude).count("primitives", 0);
+  result.facts.area("area", area)
+      .about("Area of the ground that was displaced, as seen from above")
+      .length("amplitude", amplitude)
+      .about("How far rock was displaced at most")
+      .count("primitives", 0);
   if (area <= 0) return result;
   Region region = site.region ? *site.region : Region();
   region.limit_mask(mask);

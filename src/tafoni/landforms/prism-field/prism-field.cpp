@@ -142,7 +142,7 @@ class Digging {
   Result nothing() const {
     progress_.warn("prism-field makes nothing: its box stands where the layer may not act; give another at");
     Result result;
-    result.facts.count("tools", 0).count("primitives", 0);
+    result.facts.count("tools", 0).about("Tools that met matter and changed it").count("primitives", 0);
     return result;
   }
 
@@ -230,11 +230,17 @@ class Digging {
     warn_of_idle();
     Result result;
     result.facts.count("tools", changed_)
+        .about("Tools that met matter and changed it")
         .count("columns", std::int64_t{fields.frame().nx} * fields.frame().ny)
+        .about("Columns of the prism-fields")
         .count("layers", fields.layers())
+        .about("Most layers of ground over one another")
         .volume("volume_removed", before - volume_of(fields))
+        .about("Volume of the ground that tools removed, less what they added")
         .places("mouths", mouths_)
+        .about("x, y and z of the places where tunnels come to light")
         .count("bytes", fields.bytes())
+        .about("Memory of the prism-fields")
         .count("primitives", 0);
     return result;
   }
@@ -261,7 +267,9 @@ class Digging {
     Result result = tell(fields, before);
     const auto leaf = wear(nullptr)(
         field::function(volume::as_function(fields, {.reach = site_.amplitude, .rounding = p_.rounding})));
-    result.reshaped = p_.alone ? Box3d::everything() : over.grown(2 * spacing_ + site_.amplitude);
+    const Box3d reached = over.grown(2 * spacing_ + site_.amplitude);
+    result.reshaped = p_.alone ? Box3d::everything() : reached;
+    result.lowest = reached.lo.z;
     result.reshape = [leaf, alone = p_.alone](field::NodePtr tree) {
       return alone ? leaf : field::unite({std::move(tree), leaf});
     };
@@ -302,6 +310,7 @@ class Digging {
     within.hi.z = std::numeric_limits<double>::infinity();
     const auto control = control_of(within);
     result.reshaped = within;
+    result.lowest = over.lo.z;
     if (site_.region) {
       const Box3d limit = site_.region->bounds();
       result.reshaped.lo.z = limit.lo.z, result.reshaped.hi.z = limit.hi.z;
@@ -345,7 +354,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   const Ground ground(site);
   if (ground.box().empty()) {
     Result result;
-    result.facts.count("tools", 0).count("primitives", 0);
+    result.facts.count("tools", 0).about("Tools that met matter and changed it").count("primitives", 0);
     return result;
   }
   return Digging(ground, p, progress).run();

@@ -213,7 +213,7 @@ FractalGround fractal_ground(const Ground& ground, const FractalGroundSettings& 
   FractalGround out;
   const Site& site = ground.site();
   if (ground.box().empty()) {
-    out.result.facts.count("samples", 0).count("primitives", 0);
+    out.result.facts.count("samples", 0).about("Samples of the volume").count("primitives", 0);
     return out;
   }
   const LatticeFiller filler(ground, s);
@@ -226,12 +226,19 @@ FractalGround fractal_ground(const Ground& ground, const FractalGroundSettings& 
   ScalarGrid grid = filler.grid(progress);
   const Vec3i n = grid.frame().size;
   out.result.facts.count("samples", std::int64_t{n.x} * n.y * n.z)
+      .about("Samples of the volume")
       .numbers("size", {1.0 * n.x, 1.0 * n.y, 1.0 * n.z})
+      .about("Samples along x, y and z")
       .length("spacing", grid.frame().spacing)
+      .about("Distance between two samples")
       .length("coarse", filler.cell())
+      .about("Distance between two samples of the coarsest level")
       .count("levels", filler.settings().levels)
+      .about("How often the coarsest level was subdivided")
       .number("megabytes", static_cast<double>(grid.bytes()) / 1e6)
+      .about("Memory of the volume in MB")
       .count("primitives", 0);
+  out.result.lowest = grid.frame().box().lo.z;
   out.volume = volume_leaf(std::move(grid), site.amplitude);
   const double fade = s.fade > 0 ? s.fade : fractal_ground_look::fade * filler.cell();
   const field::FunctionPtr control = control_of(site, fade);

@@ -419,10 +419,15 @@ class SeaCliff {
   Result report(Result result) const {
     result.facts.count("primitives", primitives_)
         .number("strongest_effect", strongest_)
+        .about("Greatest erosion anywhere, from 0 for none to 1 for all that the parameters allow")
         .count("caves", std::ssize(made_.mouths))
+        .about("Sea caves")
         .places("cave_positions", made_.mouths)
+        .about("x, y and z of the mouth of each sea cave in turn")
         .count("arches", made_.arches)
-        .length("cave_passage", made_.length);
+        .about("Sea caves that go through a headland")
+        .length("cave_passage", made_.length)
+        .about("Length of all sea caves together");
     return result;
   }
 

@@ -98,8 +98,11 @@ class Spires {
       heights.push_back(tower.height);
     }
     result.facts.count("spires", std::ssize(towers_))
+        .about("Towers of rock")
         .places("positions", std::move(feet))
+        .about("x, y and z of the foot of each spire in turn")
         .lengths("heights", std::move(heights))
+        .about("Height of each spire above its foot")
         .count("primitives", 0);
     if (towers_.empty()) return result;
     const auto forest = std::make_shared<const impl::Towers>(towers_, texture());

@@ -207,7 +207,11 @@ class Cliff {
       const auto faces = steep(area);
       if (area > 0) result = erode(faces, box);
     }
-    result.facts.count("primitives", 0).area("face", area).length("depth", p_.depth);
+    result.facts.count("primitives", 0)
+        .area("face", area)
+        .about("Area of the steep ground that was eroded, as seen from above")
+        .length("depth", p_.depth)
+        .about("How far the softest beds were worn back at most");
     return result;
   }
 

@@ -61,6 +61,29 @@ TEST_P(EveryLandform, ChangesTheTerrainAndTellsHowManyPrimitivesItTook) {
   EXPECT_EQ(test::fact<std::int64_t>(result, "primitives"), primitives);
 }
 
+TEST_P(EveryLandform, ExplainsWhatItTells) {
+  const Coast coast;
+  for (const Fact& fact : run(coast.site).facts) {
+    if (fact.name == "primitives") continue;
+    EXPECT_FALSE(fact.about.empty()) << fact.name;
+    EXPECT_FALSE(fact.about.ends_with('.')) << fact.name;
+  }
+}
+
+TEST_P(EveryLandform, MovesNoSurfaceBelowItsLowest) {
+  const Coast coast;
+  const Result result = run(coast.site);
+  const double lowest = lowest_change(result);
+  if (!std::isfinite(lowest)) return;
+  const auto before = field::compile(coast.site.terrain);
+  const auto after = test::carved(coast.site, result);
+  Box3d below = around;
+  below.hi.z = lowest;
+  below.lo.z = std::min(below.lo.z, lowest - 20);
+  for (const Vec3d p : test::places(below, 5000, 11))
+    EXPECT_EQ(before.value(p) > 0, after.value(p) > 0) << p.x << ' ' << p.y << ' ' << p.z;
+}
+
 TEST_P(EveryLandform, ReshapesWhereItSays) {
   const Coast coast;
   const Result result = run(coast.site);

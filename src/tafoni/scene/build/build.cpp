@@ -13,8 +13,9 @@ namespace tafoni::scene {
 namespace {
 
 // Chosen by eye: a voxel resolves every pixel and a tenth of the influence, within which landforms shape the
-// rock, but makes no more cells along the terrain than a mesh of a few million triangles has.
-constexpr double cells_per_influence = 10, most_cells = 1200;
+// rock, but makes no more cells along the terrain than a mesh of a few million triangles has, nor more than a
+// few within a pixel, where there is nothing to be seen between them.
+constexpr double cells_per_influence = 10, most_cells = 1200, most_cells_per_pixel = 3;
 // No ground is so steep that its mesh would have more at that. Heights in a wrong unit, or over pixels of a
 // wrong size, are, and would ask for hundreds of millions.
 constexpr double most_triangles = 12e6;
@@ -42,12 +43,14 @@ double surface_area(const raster::Raster& raster) {
 double default_voxel(const raster::Raster& raster, double influence) {
   const double pixel = std::min(raster.placement.dx, raster.placement.dy);
   const double extent = std::max(raster.placement.dx * raster.width(), raster.placement.dy * raster.height());
-  const double wanted = std::max({std::min(pixel, influence / cells_per_influence), extent / most_cells,
+  const double least = pixel / most_cells_per_pixel;
+  const double wanted = std::max({std::min(pixel, influence / cells_per_influence), extent / most_cells, least,
                                   std::sqrt(2 * surface_area(raster) / most_triangles)});
   const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
-  double best = decade;
-  for (double digit : {2.0, 2.5, 5.0, 10.0})
-    if (std::abs(std::log(decade * digit / wanted)) < std::abs(std::log(best / wanted)))
+  double best = 10 * decade;
+  for (double digit : {5.0, 2.5, 2.0, 1.0})
+    if (decade * digit >= least &&
+        std::abs(std::log(decade * digit / wanted)) <= std::abs(std::log(best / wanted)))
       best = decade * digit;
   return best;
 }

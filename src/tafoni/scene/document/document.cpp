@@ -201,12 +201,21 @@ bool same(const Document& a, const Document& b) {
          std::equal(a.layers.begin(), a.layers.end(), b.layers.begin(), b.layers.end(), same_layer);
 }
 
+// Nothing that anyone can mean is finer, and far finer lengths are beyond what numbers hold.
+static constexpr double least_length = 1e-4;
+
 void check(const Document& document, std::string_view where) {
   const TerrainSection& t = document.terrain;
   if (t.source.empty() && t.generator.empty())
     fail(ErrorKind::input, "{}: [terrain] needs a source (a path) or a generator", where);
   if (!t.source.empty() && !t.generator.empty())
     fail(ErrorKind::input, "{}: [terrain] has both a source and a generator; keep one", where);
+  const std::pair<const char*, double> lengths[] = {
+      {"voxel", document.scene.voxel}, {"resolution", t.resolution}, {"pixel_size", t.pixel_size}};
+  for (const auto& [name, metres] : lengths)
+    if (metres > 0 && metres < least_length)
+      fail(ErrorKind::input, "{}: {} = {} m is less than {} m; give more, or 0 to leave it open", where, name,
+           metres, least_length);
   if (t.influence > 3 * t.amplitude)
     fail(ErrorKind::input,
          "{}: influence = {} m is more than three times amplitude = {} m, where the field stops growing with "

@@ -3,7 +3,9 @@
 #include <vector>
 
 #include "tafoni/core/error.h"
+#include "tafoni/field/inner/outside.h"
 #include "tafoni/io/csv.h"
+#include "tafoni/scene/build/impl/outside.h"
 #include "tafoni/scene/layers/impl/site.h"
 
 namespace tafoni::scene::layer_primitives {
@@ -37,7 +39,7 @@ const std::vector<ParamInfo>& params() {
   return infos;
 }
 
-landforms::Result make(const impl::LayerParts& parts, impl::Readers&) {
+landforms::Result make(const impl::LayerParts& parts, impl::Readers& readers) {
   Params p;
   assign(params(), &p, parts.words.values, "primitives");
   const impl::Below& below = parts.below.value;
@@ -64,7 +66,13 @@ landforms::Result make(const impl::LayerParts& parts, impl::Readers&) {
     }
   }
   landforms::Result out;
-  for (auto& [kind, cloud] : clouds) out.nodes.push_back(cloud.finish());
+  std::uint64_t beside = 0, all = 0;
+  for (auto& [kind, cloud] : clouds) {
+    all += cloud.size();
+    out.nodes.push_back(cloud.finish());
+    beside += field::primitives_outside(out.nodes.back(), impl::columns_of(below.terrain));
+  }
+  impl::warn_of_beside(below.terrain, name, "primitives", beside, all, readers.progress);
   return out;
 }
 

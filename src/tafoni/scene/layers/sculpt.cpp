@@ -4,6 +4,9 @@
 
 #include <memory>
 
+#include <fmt/core.h>
+
+#include "tafoni/scene/build/impl/outside.h"
 #include "tafoni/scene/layers/impl/site.h"
 #include "tafoni/scene/sculpt/impl/stroke_files.h"
 
@@ -33,6 +36,8 @@ const std::vector<ParamInfo>& params() {
 landforms::Result place(const Keyed<std::shared_ptr<const impl::Sculpted>>& sculpted, const double& amplitude,
                         const bool& settle) {
   landforms::Result out;
+  // What limits values changes no sign.
+  out.lowest = impl::box_of(*sculpted.value).lo.z;
   if (sculpted.value->node) {
     out.nodes = {sculpted.value->node};
     if (settle) {
@@ -47,7 +52,10 @@ landforms::Result place(const Keyed<std::shared_ptr<const impl::Sculpted>>& scul
   std::int64_t strokes = 0, muted = 0;
   for (const auto& group : sculpted.value->groups)
     for (const impl::Slot& slot : group->slots) ++(slot.muted ? muted : strokes);
-  out.facts.count("strokes", strokes).count("muted", muted);
+  out.facts.count("strokes", strokes)
+      .about("Strokes that act")
+      .count("muted", muted)
+      .about("Strokes that are left out until they are unmuted");
   return out;
 }
 
@@ -70,6 +78,14 @@ impl::BuiltLayer build(const impl::LayerSite& site) {
   const impl::SculptFrame frame{below.terrain.origin, below.settings.amplitude, site.seed, site.region};
   const auto before = cook.groups_cooked();
   const auto sculpted = cook.cook(site.strokes(), frame);
+  const terrain::Terrain& terrain = below.terrain;
+  const auto beside = impl::strokes_beside(*sculpted.value,
+                                           [&](const Box3d& box) { return impl::over_domain(terrain, box); });
+  if (beside.count > 0)
+    impl::warn_of_beside(
+        terrain, "layer " + site.name,
+        fmt::format("strokes (\"{}\"{})", shown_stroke(*beside.first), beside.count > 1 ? " …" : ""),
+        beside.count, beside.all, site.readers.progress);
   impl::BuiltLayer out;
   out.reused = cook.groups_cooked() == before;
   out.made = impl::make_keyed(&place, sculpted, frame.amplitude, p.settle);

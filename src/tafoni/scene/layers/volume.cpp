@@ -128,6 +128,7 @@ landforms::Result make(const impl::LayerParts& parts, impl::Readers& readers) {
   };
   landforms::Result out;
   out.reshaped = Box3d{frame.box().lo + shift, frame.box().hi + shift};
+  out.lowest = out.reshaped.lo.z;
   if (p.mode == "replace") {
     out.reshape = [own = leaf({})](const field::NodePtr&) { return own; };
     out.reshaped = Box3d::everything();
@@ -148,9 +149,13 @@ landforms::Result make(const impl::LayerParts& parts, impl::Readers& readers) {
     };
   }
   out.facts.text("mode", p.mode)
+      .about("What became of the layers below")
       .count("samples", std::int64_t{frame.size.x} * frame.size.y * frame.size.z)
+      .about("Samples of the volume")
       .length("spacing", frame.spacing)
-      .count("bytes", static_cast<std::int64_t>(volume.grid.bytes()));
+      .about("Distance between two samples")
+      .count("bytes", static_cast<std::int64_t>(volume.grid.bytes()))
+      .about("Memory of the volume");
   return out;
 }
 

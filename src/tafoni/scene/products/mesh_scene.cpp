@@ -1,5 +1,5 @@
 // Meshing a scene: polygonize its tree, colour the vertices by rock, slope and height, simplify; as a whole
-// or a tile at a time. A prediction does the same on a coarser lattice and scales what it counts.
+// or a tile at a time.
 #include "tafoni/scene/products/mesh_scene.h"
 
 #include <algorithm>
@@ -27,9 +27,6 @@ constexpr float tread = 0.5f;
 // Heights over a tread, in metres, at which rock is looked for: close together near the ground, where caves
 // are low, and as high as an overhang still keeps off rain and light.
 constexpr double overhead[] = {1.5, 3, 5, 8, 13, 21};
-// A prediction looks at a lattice of so many cells along the longer side at most, which takes a second or
-// two.
-constexpr double predicted_cells = 256;
 // Vertices whose colours one task finds: enough that tasks cost nothing, few enough that all threads get
 // some.
 constexpr std::int64_t grain = 4096;
@@ -181,28 +178,6 @@ MeshResult mesh_scene_tiles(const BuiltScene& scene, int tiles, const surface::T
       progress, &result.stats);
   result.polygonize_seconds = now() - start;
   return result;
-}
-
-Prediction predict(const BuiltScene& scene, Progress& progress) {
-  Prediction p;
-  p.voxel = scene.voxel;
-  const field::CompiledField field = scene.field_for(scene.boundary());
-  const Vec3d size = scene.terrain.box.size();
-  p.coarse_voxel = std::max(2 * scene.voxel, std::max(size.x, size.y) / predicted_cells);
-  auto settings = polygonize_settings(scene, field, p.coarse_voxel);
-  settings.normals = false;
-  settings.min_fragment_volume = 0;
-  const mesh::Mesh coarse = surface::polygonize(field, settings, progress);
-  // A surface is cut by as many cells as its area holds cell faces.
-  const double finer = p.coarse_voxel / scene.voxel;
-  p.triangles = static_cast<std::uint64_t>(static_cast<double>(coarse.triangles.size()) * finer * finer);
-  p.vertices = p.triangles / 2;
-  constexpr std::uint64_t vertex_bytes = 12 + 12 + 4, triangle_bytes = 12;
-  p.file_bytes = p.vertices * vertex_bytes + p.triangles * triangle_bytes;
-  // The mesh is held once as chunks and once gathered; the height raster and the primitives stay beside it.
-  p.memory = 2 * p.file_bytes + scene.terrain.heights->values.size() * 3 * sizeof(float) +
-             field::stats(scene.tree(scene.boundary())).bytes;
-  return p;
 }
 
 }  // namespace tafoni::scene

@@ -38,13 +38,4 @@ MeshResult mesh_scene_tiles(const BuiltScene& scene, int tiles, const surface::T
 /// Colours the mesh's vertices by rock, slope and height.
 void colour(const BuiltScene& scene, mesh::Mesh& mesh, Progress& progress = silent());
 
-/// What a full build would cost, from one on a coarser lattice.
-struct Prediction {
-  double voxel = 0, coarse_voxel = 0;
-  std::uint64_t triangles = 0, vertices = 0;
-  std::uint64_t memory = 0;      ///< bytes, at the peak
-  std::uint64_t file_bytes = 0;  ///< of a GLB
-};
-Prediction predict(const BuiltScene& scene, Progress& progress = silent());
-
 }  // namespace tafoni::scene

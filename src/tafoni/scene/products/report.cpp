@@ -28,6 +28,7 @@ Json layers_json(const BuiltScene& scene) {
     for (const landforms::Fact& fact : layer.made.facts) {
       const auto [key, value] = report_entry(fact, scene.terrain.origin);
       entry[key] = to_json(value);
+      if (!fact.about.empty()) entry["explained"][key] = fact.about;
     }
     out.push_back(std::move(entry));
   }
@@ -73,9 +74,31 @@ MeshCounts counts_of(const MeshResult& result) {
   return out;
 }
 
+/// What the numbers are that every report has.
+Json explained(const Json& report) {
+  Json out = {
+      {"layers.primitives", "Shapes that a layer put into the model: points, tubes, boxes …"},
+      {"tree.nodes", "Primitives, operators and elevation models of the model, which the surface is made of"},
+      {"tree.primitives", "Primitives of all layers"},
+      {"tree.bytes", "Memory of the model, without the elevation model"},
+      {"seconds", "Time of each stage, by the clock; colour, write … are stages of their own"}};
+  if (!report.contains("mesh")) return out;
+  out["mesh.components"] =
+      "Pieces of surface that hang together: rock that floats and hollows without a way out, too";
+  out["mesh.fragments_removed"] =
+      "Floating pieces of rock smaller than scene.min_fragment, which were left out";
+  out["mesh.bubbles_removed"] =
+      "Hollows without a way out smaller than scene.min_fragment, which were filled";
+  out["mesh.samples_evaluated"] = "Values of the model that were computed to find the surface";
+  if (report["mesh"].contains("volume_m3"))
+    out["mesh.volume_m3"] = "Volume of the rock down to the base, whose elevation is terrain.domain.low";
+  return out;
+}
+
 }  // namespace
 
-Report::Report(const BuiltScene& scene, const MeshResult* result) : scene_(scene), result_(result) {
+Report::Report(const BuiltScene& scene, const MeshResult* result, Seconds after)
+    : scene_(scene), result_(result), after_(std::move(after)) {
   if (result) mesh_ = counts_of(*result);
 }
 
@@ -111,8 +134,10 @@ std::string Report::json(std::span<const std::string> warnings) const {
     seconds["colour"] = result_->colour_seconds;
     if (result_->simplify_seconds > 0) seconds["simplify"] = result_->simplify_seconds;
   }
+  for (const auto& [name, value] : after_) seconds[name] = value;
   out["seconds"] = seconds;
   out["warnings"] = warnings;
+  out["explained"] = explained(out);
   // Text that came from files need not be UTF-8, which JSON must be: what is not is replaced.
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

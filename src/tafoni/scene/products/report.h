@@ -5,6 +5,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/scene/products/mesh_scene.h"
@@ -22,10 +24,14 @@ struct MeshCounts {
   std::optional<mesh::MeshMetrics> metrics;             ///< of a mesh that was kept whole
 };
 
+/// Of stages, by name.
+using Seconds = std::vector<std::pair<std::string, double>>;
+
 class Report {
  public:
-  /// `result` is null for a scene that was not meshed. Both must outlive the report.
-  Report(const BuiltScene& scene, const MeshResult* result);
+  /// `result` is null for a scene that was not meshed. Both must outlive the report. `after` are the stages
+  /// that came after the mesh.
+  Report(const BuiltScene& scene, const MeshResult* result, Seconds after = {});
 
   /// Nothing where the scene was not meshed.
   const std::optional<MeshCounts>& mesh() const { return mesh_; }
@@ -35,6 +41,7 @@ class Report {
   const BuiltScene& scene_;
   const MeshResult* result_;
   std::optional<MeshCounts> mesh_;
+  Seconds after_;
 };
 
 }  // namespace tafoni::scene

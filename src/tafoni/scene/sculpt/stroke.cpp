@@ -257,6 +257,12 @@ std::string to_text(const Stroke& stroke) {
   return out;
 }
 
+std::string shown_stroke(const Stroke& stroke) {
+  constexpr std::size_t shown = 100;
+  const std::string text = to_text(stroke);
+  return text.size() > shown ? text.substr(0, shown) + "…" : text;
+}
+
 std::vector<Stroke> parse_strokes(std::string_view text, std::string_view name) {
   const auto first = text.find_first_not_of(" \t\r\n");
   if (first != std::string_view::npos && (text[first] == '[' || text[first] == '{'))

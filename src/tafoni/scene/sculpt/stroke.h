@@ -35,6 +35,9 @@ Stroke parse_stroke(std::string_view line, std::string_view where);
 /// The shortest line that reads back as the same stroke.
 std::string to_text(const Stroke& stroke);
 
+/// The beginning of that line, as messages show which stroke they mean.
+std::string shown_stroke(const Stroke& stroke);
+
 /// A file of strokes: one a line, where blank lines and lines that begin with # are skipped; or JSON, an
 /// array of objects {"brush": …, "at": [[x, y, z], …], …}. Throws Error{input} "NAME:LINE: …".
 std::vector<Stroke> parse_strokes(std::string_view text, std::string_view name);

@@ -152,6 +152,14 @@ TEST(Growth, EndlessGrowthIsAnError) {
               HasSubstr("rule 1 (A) does not come to an end: 1000 generations"));
   EXPECT_THAT(error_of({rule("A", "1", "A(repeat = 2)")}),
               HasSubstr("does not come to an end: 20000 symbols"));
+  // What is too small to stay counts as well: these would make 8,421,000 spheres.
+  EXPECT_THAT(error_of({rule("A", "depth < 3", "sphere(repeat = 1000, radius = -1); A(repeat = 20)")}),
+              HasSubstr("rule 1 (A), make, column 1: more than 200000 shapes in one hoodoo"));
+  // 10^8 steps of arithmetic.
+  std::string sum = "0";
+  for (int i = 0; i < 50000; ++i) sum += " + 0";
+  EXPECT_THAT(error_of({rule("A", "1", "sphere(repeat = 1000, x = " + sum + ")")}),
+              HasSubstr("rule 1 (A): takes too long to work out"));
   EXPECT_THAT(error_of({rule("A", "1", "sphere(repeat = 1e9)")}), HasSubstr("repeat"));
 }
 

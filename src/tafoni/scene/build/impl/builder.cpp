@@ -2,11 +2,15 @@
 // (memo.h): this file gathers the parts that it is made from, out of the document and the stages before.
 #include "tafoni/scene/build/impl/builder.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include "tafoni/core/error.h"
 #include "tafoni/io/source_name.h"
+#include "tafoni/scene/build/impl/base.h"
+#include "tafoni/scene/build/impl/outside.h"
 
 namespace tafoni::scene::impl {
 namespace {
@@ -30,6 +34,21 @@ double choose_voxel(const Document& document, const raster::Raster& elevations) 
   // A lattice on a volume's own samples loses nothing of it.
   return is_volume(document.terrain) ? elevations.placement.dx
                                      : default_voxel(elevations, document.terrain.influence);
+}
+
+void warn_of_coarse_voxel(const raster::Raster& elevations, double voxel, Progress& progress) {
+  const double pixel = std::max(elevations.placement.dx, elevations.placement.dy);
+  if (voxel < pixel)
+    progress.warn(
+        fmt::format("the pixels of {:g} m are so large that the voxel was set to {:g} m, too coarse for "
+                    "landforms of a few "
+                    "metres; choose a smaller voxel",
+                    pixel, voxel));
+  else
+    progress.warn(fmt::format(
+        "the terrain is so large that the voxel was set to {:g} m, too coarse for landforms of a few metres; "
+        "choose a part of it with --window (or window = […]), or a smaller voxel",
+        voxel));
 }
 
 Below below_layers(const Keyed<Ground>& ground, const Keyed<geology::GeologyPtr>& geology) {
@@ -57,6 +76,7 @@ struct Builder::Stage {
   const SlotSource& slots;
   Readers readers;
   double voxel = 0;
+  double base = 0;
   std::string crs;
   Keyed<Ground> ground;
   Keyed<geology::GeologyPtr> geology;
@@ -68,23 +88,33 @@ struct Builder::Stage {
 
 Built Builder::build(const Document& document, const SlotSource& slots, Progress& progress) {
   check(document, "the scene");
-  Stage stage{document, slots, {progress, volumes_}, 0, {}, {}, {}, {}, {}, {}, {}};
+  Stage stage{document, slots, {progress, volumes_}, 0, 0, {}, {}, {}, {}, {}, {}, {}};
   build_ground(stage);
   build_geology(stage);
   build_layers(stage);
+  lay_base(stage);
   const Below& below = stage.below.value;
   BuiltScene scene;
   scene.document = document;
   scene.voxel = stage.voxel;
   scene.crs = std::move(stage.crs);
   scene.terrain = below.terrain;
+  scene.terrain.box.lo.z = stage.base;
   scene.settings = below.settings;
   scene.geology = below.geology;
   scene.layers = std::move(stage.results);
   scene.open = below.open;
-  scene.solid = field::intersect({below.open, stage.ground.value.domain});
+  scene.solid = field::intersect({below.open, terrain::domain_tree(scene.terrain, scene.settings)});
   scene.seconds = std::move(stage.seconds);
-  return {std::make_shared<BuiltScene>(std::move(scene)), stage.ground.key, std::move(stage.layers)};
+  return {std::make_shared<BuiltScene>(std::move(scene)), stage.ground.key, stage.base,
+          std::move(stage.layers)};
+}
+
+terrain::Terrain Builder::terrain(const Document& document, Progress& progress) {
+  const SlotSource none = [](const Document&, const Layer&) { return std::vector<Slot>(); };
+  Stage stage{document, none, {progress, volumes_}, 0, 0, {}, {}, {}, {}, {}, {}, {}};
+  build_ground(stage);
+  return stage.ground.value.terrain;
 }
 
 /// The file at a path, with a digest of what it holds; nothing where no path is named.
@@ -106,10 +136,7 @@ void Builder::build_ground(Stage& stage) {
   stage.voxel = choose_voxel(document, *elevations.value);
   if (document.scene.voxel <= 0 && !is_volume(t) && !document.layers.empty() &&
       stage.voxel > t.influence / least_cells_per_influence)
-    progress.warn(fmt::format(
-        "the terrain is so large that the voxel was set to {:g} m, too coarse for landforms of a few metres; "
-        "choose a part of it with --window (or window = […]), or a smaller voxel",
-        stage.voxel));
+    warn_of_coarse_voxel(*elevations.value, stage.voxel, progress);
 
   watch = {};
   stage.ground = grounds_(elevations, words_of_field(t), stage.voxel, file(document, t.domain), progress);
@@ -162,11 +189,19 @@ BuiltLayer Builder::build_layer(Stage& stage, std::size_t index) {
     return out;
   };
   const auto strokes = [&] { return stage.slots(document, layer); };
-  const LayerSite site{
-      stage.below,      words_of(layer), layer_seed(document, index), region, files, strokes, results_,
-      memories_[&type], stage.readers};
+  const LayerSite site{shown_name(layer),
+                       stage.below,
+                       words_of(layer),
+                       layer_seed(document, index),
+                       region,
+                       files,
+                       strokes,
+                       results_,
+                       memories_[&type],
+                       stage.readers};
   BuiltLayer out = type.build(site);
   out.type = &type;
+  out.region = region.value;
   return out;
 }
 
@@ -189,11 +224,26 @@ void Builder::build_layers(Stage& stage) {
            shown_name(layer), what);
     }
     const BuiltLayer& made = stage.layers.back();
+    warn_of_layer_beside(stage.below.value.terrain, shown_name(layer), made.made.value, made.region.get(),
+                         stage.readers.progress);
     const double seconds = watch.seconds();
     stage.results.push_back({shown_name(layer), layer.type, made.made.value, seconds, made.reused});
     stage.seconds.emplace_back(shown_name(layer), seconds);
     stage.below = make_keyed(&below_next, stage.below, made.made);
   }
+}
+
+void Builder::lay_base(Stage& stage) {
+  const Stopwatch watch;
+  const Below& below = stage.below.value;
+  double lowest = below.terrain.box.lo.z;
+  for (const BuiltLayer& layer : stage.layers) {
+    const double own = landforms::lowest_change(layer.made.value);
+    if (std::isfinite(own)) lowest = std::min(lowest, own);
+  }
+  stage.base = base_of({below.terrain, below.open, lowest, stage.voxel, below.settings.influence},
+                       stage.readers.progress);
+  if (stage.base < below.terrain.box.lo.z) stage.seconds.emplace_back("base", watch.seconds());
 }
 
 namespace {
@@ -217,6 +267,11 @@ std::vector<Box3d> changed_boxes(const Built& before, const Built& now) {
     ++same;
   for (std::size_t i = first; i < a.size() - same; ++i) a[i].type->changed(&a[i], nullptr, out);
   for (std::size_t i = first; i < b.size() - same; ++i) b[i].type->changed(nullptr, &b[i], out);
+  if (before.base != now.base) {
+    Box3d under = Box3d::everything();
+    under.hi.z = std::max(before.base, now.base) + now.scene->settings.influence;
+    out.push_back(under);
+  }
   std::erase_if(out, [](const Box3d& box) { return box.empty(); });
   return out;
 }

@@ -24,7 +24,8 @@ using SlotSource = std::function<std::vector<Slot>(const Document&, const Layer&
 
 struct Built {
   std::shared_ptr<const BuiltScene> scene;
-  Digest ground;  ///< of the terrain, its field and the lattice
+  Digest ground;    ///< of the terrain, its field and the lattice
+  double base = 0;  ///< local z
   std::vector<BuiltLayer> layers;
 };
 
@@ -35,12 +36,15 @@ std::vector<Box3d> changed_boxes(const Built& before, const Built& now);
 class Builder {
  public:
   Built build(const Document& document, const SlotSource& slots, Progress& progress);
+  /// The terrain alone, with its own base.
+  terrain::Terrain terrain(const Document& document, Progress& progress);
 
  private:
   struct Stage;
   void build_ground(Stage& stage);
   void build_geology(Stage& stage);
   void build_layers(Stage& stage);
+  void lay_base(Stage& stage);
   BuiltLayer build_layer(Stage& stage, std::size_t index);
   Keyed<RegionPtr> region_of(const Stage& stage, const Layer& layer, Progress& progress);
   std::optional<File> file(const Document& document, const std::string& path);

@@ -147,7 +147,6 @@ Ground make_ground(const Keyed<RasterPtr>& elevations, const TerrainSection& wor
   if (domain) options.polygons = io::read_polygons(domain->path, elevations.value->crs);
   out.terrain = terrain::make_terrain(*elevations.value, voxel, options, progress);
   out.open = field::heightfield(out.terrain.heights, out.settings);
-  out.domain = terrain::domain_tree(out.terrain, out.settings);
   return out;
 }
 

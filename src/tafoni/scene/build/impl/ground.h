@@ -54,7 +54,7 @@ RasterPtr make_elevations(const TerrainSection& words, const std::uint64_t& seed
 struct Ground {
   terrain::Terrain terrain;
   field::HeightfieldSettings settings;
-  field::NodePtr open, domain;
+  field::NodePtr open;
 };
 Ground make_ground(const Keyed<RasterPtr>& elevations, const TerrainSection& words, const double& voxel,
                    const std::optional<File>& domain, Progress& progress);

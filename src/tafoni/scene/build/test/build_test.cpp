@@ -207,7 +207,10 @@ TEST(DefaultVoxel, IsRoundAndBetweenPixelAndExtent) {
   };
   EXPECT_EQ(voxel(100, 100, 1), 1);
   EXPECT_EQ(voxel(1136, 726, 1), 1);
-  EXPECT_EQ(voxel(80, 80, 10), 2);
+  EXPECT_EQ(voxel(80, 80, 10), 5);
+  EXPECT_EQ(voxel(100, 100, 90), 50);
+  for (double pixel = 0.01; pixel < 1000; pixel *= 1.07)
+    for (const int width : {10, 100, 1000, 10000}) EXPECT_GE(3 * voxel(width, 10, pixel), pixel);
   EXPECT_EQ(voxel(512, 512, 10), 5);
   EXPECT_EQ(voxel(2350, 1800, 10), 20);
   EXPECT_EQ(voxel(256, 256, 0.01), 0.01);

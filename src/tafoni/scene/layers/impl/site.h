@@ -47,11 +47,13 @@ struct BuiltLayer {
   const LayerType* type = nullptr;
   Keyed<landforms::Result> made;
   bool reused = false;
+  RegionPtr region;                 ///< null: everywhere
   std::shared_ptr<const void> own;  ///< what LayerType::changed() of the type compares, beyond `made`
 };
 
 /// What a build offers to a layer at its place in it.
 struct LayerSite {
+  const std::string& name;  ///< what messages call the layer
   const Keyed<Below>& below;
   Layer words;  ///< as LayerParts::words
   std::uint64_t seed;

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "tafoni/core/error.h"
+#include "tafoni/field/inner/outside.h"
 #include "tafoni/field/primitive.h"
 #include "tafoni/math/whole.h"
 #include "tafoni/scene/sculpt/brush.h"
@@ -58,6 +59,8 @@ struct CookedStroke {
   std::shared_ptr<const Stroke> stroke;  ///< keeps its address, a part of keys, its own
   std::map<CloudClass, std::vector<Item>> items;
   Box3d box;
+  Box3d painted;     ///< of a stroke that paints: what it reaches
+  bool far = false;  ///< some of it is farther off than a field reaches
   Digest digest;
 };
 
@@ -83,6 +86,12 @@ class Cooking : public Dab {
     const double reach =
         type.extent(extras) + body + (type.volumetric ? falloff : 0) + 0.01 * key.roughness * key.radius();
     out_.box.expand(Box3d{anchor, anchor}.grown(box_factor * reach + box_margin));
+    // No cloud takes it, and one stroke in the wrong place shall not stop every build.
+    const double away = std::max({std::abs(anchor.x), std::abs(anchor.y), std::abs(anchor.z)});
+    if (!(away + reach <= field::farthest)) {
+      out_.far = true;
+      return;
+    }
     out_.items[std::move(key)].push_back(std::move(item));
   }
 
@@ -152,9 +161,11 @@ std::shared_ptr<const CookedStroke> SculptCook::cook_stroke(const std::shared_pt
   cooked->stroke = stroke;
   cooked->digest.add(std::string_view(to_text(*stroke)));
   const BrushType& brush = find_brush(stroke->brush);
+  Stroke local = *stroke;
+  for (Vec3d& p : local.points) p -= frame.origin;
+  if (!brush.apply)
+    for (const Vec3d p : local.points) cooked->painted.expand(Box3d{p, p}.grown(stroke->radius));
   if (brush.apply) {
-    Stroke local = *stroke;
-    for (Vec3d& p : local.points) p -= frame.origin;
     Cooking dab(*stroke, frame, *cooked);
     brush.apply(local, seed_of(*stroke, frame.seed), dab);
   }
@@ -169,7 +180,11 @@ std::shared_ptr<const SculptGroup> SculptCook::cook_group(const std::vector<Slot
   std::vector<CookedPtr> all;
   Nothing nothing;
   for (const Slot& slot : slots) {
-    all.push_back(strokes(slot.stroke, frame, nothing).value);
+    try {
+      all.push_back(strokes(slot.stroke, frame, nothing).value);
+    } catch (const Error& error) {
+      fail(error.kind(), "the stroke \"{}\": {}", shown_stroke(*slot.stroke), error.what());
+    }
     group->cooked.push_back(slot.muted ? nullptr : all.back());
     group->digest.add(std::uint64_t{slot.muted}).add(all.back()->digest);
   }
@@ -190,6 +205,29 @@ Keyed<std::shared_ptr<const Sculpted>> SculptCook::cook(std::span<const Slot> sl
       out->node = after_run(out->node, run, frame.amplitude);
   }
   return {out, digest};
+}
+
+Box3d box_of(const Sculpted& sculpted) {
+  Box3d out;
+  for (const auto& group : sculpted.groups)
+    for (const auto& cooked : group->cooked)
+      if (cooked) out.expand(cooked->box);
+  return out;
+}
+
+StrokesBeside strokes_beside(const Sculpted& sculpted, const std::function<bool(const Box3d&)>& over) {
+  StrokesBeside out;
+  for (const auto& group : sculpted.groups)
+    for (const auto& cooked : group->cooked) {
+      if (!cooked) continue;
+      ++out.all;
+      Box3d box = cooked->box;
+      box.expand(cooked->painted);
+      // What a region leaves nothing of is as the user wants it.
+      if (box.empty() || (!cooked->far && over(box))) continue;
+      if (out.count++ == 0) out.first = cooked->stroke;
+    }
+  return out;
 }
 
 namespace {

@@ -15,6 +15,7 @@
 // not a bit of it, outside of the stroke's own support.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -93,6 +94,17 @@ class SculptCook {
   Strokes strokes_{1 << 20, &cook_stroke};
   Groups groups_{1024, &cook_group};
 };
+
+/// Holds all that strokes carve and add.
+Box3d box_of(const Sculpted& sculpted);
+
+/// Of the strokes that act: how many there are, how many do nothing because all of them, or what lies too far
+/// off to be carved at all, is where `over` says no, and one of these.
+struct StrokesBeside {
+  std::uint64_t all = 0, count = 0;
+  std::shared_ptr<const Stroke> first;
+};
+StrokesBeside strokes_beside(const Sculpted& sculpted, const std::function<bool(const Box3d&)>& over);
 
 /// Appends boxes outside of which both layers have the same values, bit for bit. Either may be null.
 void changed_boxes(const Sculpted* before, const Sculpted* now, std::vector<Box3d>& out);
