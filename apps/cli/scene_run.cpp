@@ -45,8 +45,8 @@ void check_outputs(const scene::Document& document, const std::string& scene_fil
   if (!outputs.builds() && outputs.save_scene.empty() && !outputs.dry_run)
     fail(ErrorKind::usage, "nothing to write: give -o FILE, --preview PNG, --report JSON or --dry-run");
   const Files files(outputs);
-  if (files.volumes.empty() && (outputs.band || outputs.half))
-    fail(ErrorKind::usage, "--band and --half are for volumes; give -o FILE.tvol or FILE.vdb");
+  if (files.volumes.empty() && (outputs.band || outputs.half || !outputs.values.empty()))
+    fail(ErrorKind::usage, "--band, --half and --values are for volumes; give -o FILE.tvol or FILE.vdb");
   if (outputs.texture && std::none_of(files.meshes.begin(), files.meshes.end(), [](const std::string& file) {
         return io::format_of(file, {io::Ability::write_mesh}).texture;
       }))
@@ -156,14 +156,23 @@ double band_of(const OutputOptions& outputs, const scene::BuiltScene& scene) {
   return outputs.band.value_or(4 * scene.voxel);
 }
 
+/// Programs that read .vdb take what is in it for distances.
+bool holds_distances(const std::string& file, const OutputOptions& outputs) {
+  return outputs.values.empty() ? io::format_of(file, io::Ability::write_volume).about.name == "vdb"
+                                : outputs.values == "distance";
+}
+
 void print_prediction(const scene::BuiltScene& scene, const OutputOptions& outputs, Console& console) {
   const scene::Prediction p = scene::predict(scene, console);
   const Files files(outputs);
   Vec3i n{0, 0, 0};
   std::uint64_t volume_bytes = 0;
   if (!files.volumes.empty()) {
-    const double band = band_of(outputs, scene);
-    n = scene::volume_frame(scene, band, console).size;
+    const bool distance = holds_distances(files.volumes.front(), outputs);
+    const double band =
+        distance ? scene::level_set_reach(scene, band_of(outputs, scene)) : band_of(outputs, scene);
+    n = scene::volume_frame(scene, band, distance ? surface::Boundary::solid : scene.boundary(), console)
+            .size;
     // Two triangles a cell of the surface; what is within the band of it is stored sample by sample.
     const double all = static_cast<double>(n.x) * n.y * n.z;
     const double near = band > 0 ? static_cast<double>(p.triangles) * band / scene.voxel : all;
@@ -241,16 +250,22 @@ void write_volumes(const scene::BuiltScene& scene, const OutputOptions& outputs,
   volume::SampleSettings settings;
   settings.band = band_of(outputs, scene);
   if (outputs.half) settings.precision = volume::Precision::half;
-  io::Volume volume = scene::sample_scene(scene, settings, console);
-  for (const std::string& file : files) {
-    volume.metadata = metadata(scene, file);
-    io::write_volume(file, volume, console);
-    written.emplace_back(file);
-  }
-  const Vec3i n = volume.grid.frame().size;
-  if (!console.json())
+  for (const bool distance : {false, true}) {
+    std::optional<io::Volume> volume;
+    for (const std::string& file : files) {
+      if (holds_distances(file, outputs) != distance) continue;
+      if (!volume)
+        volume = distance ? scene::level_set(scene, settings, console)
+                          : scene::sample_scene(scene, settings, console);
+      volume->metadata = metadata(scene, file);
+      io::write_volume(file, *volume, console);
+      written.emplace_back(file);
+    }
+    if (!volume || console.json()) continue;
+    const Vec3i n = volume->grid.frame().size;
     console.print(fmt::format("volume: {} x {} x {} samples of {:g} m, {} in memory\n", n.x, n.y, n.z,
-                              volume.grid.frame().spacing, as_bytes(volume.grid.bytes())));
+                              volume->grid.frame().spacing, as_bytes(volume->grid.bytes())));
+  }
 }
 
 }  // namespace

@@ -36,6 +36,7 @@ struct OutputOptions {
   std::string preview, save_scene, report;
   std::optional<std::int64_t> tiles;
   std::optional<double> band;
+  std::string values;             ///< of volumes: distance, field, or empty for what the format usually has
   std::optional<double> texture;  ///< metres that a picture covers
   bool half = false;
   bool dry_run = false;

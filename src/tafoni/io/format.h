@@ -25,6 +25,9 @@ namespace tafoni::io {
 
 struct MeshMetadata;
 struct Volume;
+namespace impl {
+struct VolumeSource;
+}
 
 /// One file format. A function that the format lacks is null.
 struct FormatType {
@@ -39,8 +42,8 @@ struct FormatType {
   void (*write_image)(AtomicFile&, const raster::Image&) = nullptr;
   /// Writes the whole file; the caller commits it. Throws Error{output}.
   void (*write_volume)(AtomicFile&, const Volume&, Progress&) = nullptr;
-  /// Like read_mesh. Every sample is finite.
-  Volume (*read_volume)(std::span<const std::byte> bytes, std::string_view file, Progress&) = nullptr;
+  /// Opens a whole file that lies in memory and outlives the result. Like read_mesh.
+  impl::VolumeSource (*open_volume)(std::span<const std::byte> bytes, std::string_view file) = nullptr;
   bool texture = false;  ///< whether meshes keep their texture coordinates
 };
 
