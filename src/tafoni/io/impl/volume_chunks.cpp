@@ -22,7 +22,7 @@ namespace {
 
 /// Memory that any file may take for chunks of one value and for others, and what it may take for each of its
 /// bytes. Of real volumes a chunk's 128 KB take some kilobytes, of the plainest ones (a tilted plane) 200.
-constexpr std::uint64_t granted_uniform = 64 << 20, granted_full = 256 << 20, granted_a_byte = 1000;
+constexpr std::uint64_t granted_uniform = 96 << 20, granted_full = 256 << 20, granted_a_byte = 1000;
 /// Of a file's own table, for each chunk, while it is read.
 constexpr std::uint64_t table_bytes = 16;
 constexpr std::int64_t chunks_at_once = 128;

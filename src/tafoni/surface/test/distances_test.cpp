@@ -72,6 +72,7 @@ TEST(Distances, AreThoseOfBruteForce) {
   const ScalarGrid d = distances(grid, reach, Precision::single);
   EXPECT_EQ(d.frame(), frame);
   for_samples(grid, [&](Vec3i s) {
+    if ((s.x + s.y + s.z) % 3 != 0) return;  // brute force is slow
     double truth = reach;
     const Vec3d p = frame.position(s);
     for (const auto& t : mesh.triangles) {
