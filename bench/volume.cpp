@@ -208,7 +208,9 @@ void karst(const fs::path& file, const fs::path& folder) {
         Case{"half-band-4.tvol", volume::Precision::half, 4},
         Case{"all.tvol", volume::Precision::single, 0}}) {
     const fs::path path = folder / c.name;
-    const io::Volume volume = scene::sample_scene(built, {c.precision, c.band * built.voxel});
+    const volume::SampleSettings settings{c.precision, c.band * built.voxel};
+    const io::Volume volume =
+        path.extension() == ".vdb" ? scene::level_set(built, settings) : scene::sample_scene(built, settings);
     double start = seconds();
     try {
       io::write_volume(path, volume);

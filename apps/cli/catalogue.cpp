@@ -50,7 +50,7 @@ Topic formats() {
     if (type->write_mesh) note += " writes meshes";
     if (type->read_mesh) note += type->write_mesh ? " and reads them" : " reads meshes";
     if (type->write_image) note += " writes pictures";
-    if (type->write_volume) note += type->read_volume ? " writes volumes and reads them" : " writes volumes";
+    if (type->write_volume) note += type->open_volume ? " writes volumes and reads them" : " writes volumes";
     out.entries.push_back(
         {type->about.name, type->about.doc, type->about.source, note, type->about.params, {}});
   }

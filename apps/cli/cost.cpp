@@ -45,9 +45,12 @@ std::uint64_t memory_of(const Work& work, const Cost& cost, const MemoryUse& sce
 }
 
 /// Of a volume; without looking for the surface where even that would take long.
-Vec3i samples_of(const scene::BuiltScene& scene, double band, Console& console) {
+Vec3i samples_of(const scene::BuiltScene& scene, const Work& work, Console& console) {
   const Vec3d size = scene.terrain.box.size() * (1 / scene.voxel);
-  if (size.x * size.y < most_looked_at) return scene::volume_frame(scene, band, console).size;
+  if (size.x * size.y < most_looked_at)
+    return scene::volume_frame(scene, work.band, work.distance ? surface::Boundary::solid : scene.boundary(),
+                               console)
+        .size;
   return {ceil_to(size.x), ceil_to(size.y), ceil_to(size.z)};
 }
 
@@ -56,7 +59,7 @@ Cost cost_of(const scene::BuiltScene& scene, const Work& work, Console& console)
   Cost cost;
   cost.mesh = scene::predict(scene, work.tiles, console);
   if (!work.volumes.empty()) {
-    const Vec3i n = cost.samples = samples_of(scene, work.band, console);
+    const Vec3i n = cost.samples = samples_of(scene, work, console);
     // Two triangles a cell of the surface; what is within the band of it is stored sample by sample.
     const double all = static_cast<double>(n.x) * n.y * n.z;
     const double near = work.band > 0 ? static_cast<double>(cost.mesh.meshed) * work.band / scene.voxel : all;

@@ -16,7 +16,7 @@ struct Work {
   int tiles = 1;                             ///< along each side
   bool meshed = true, picture = false;
   double band = 0;  ///< of volumes, metres
-  bool half = false;
+  bool half = false, distance = false;  ///< of volumes: their precision, and whether they hold distances
 };
 
 /// Prints what it would cost.

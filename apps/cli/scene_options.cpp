@@ -78,7 +78,10 @@ void OutputOptions::declare(Args& args) {
                "default: 1, a whole");
   args.number("--band", "M", band, 0, 1e5, "m",
               "Greatest magnitude of a volume's values: less takes less space, for it keeps only what is "
-              "near the surface; 0 keeps all; default: four cells");
+              "near the surface; 0 keeps all of a field's; default: four cells");
+  args.choice("--values", values, {"distance", "field"},
+              "What volumes hold: distance, metres to the surface within the band, or field, the values that "
+              "the scene is made of; default: distance in .vdb, field in .tvol");
   args.number("--texture", "M", texture, 1e-3, 1e6, "m",
               "Gives OBJ and GLB files texture coordinates, projected from the sides of a box, of pictures "
               "that cover M metres; default: none");

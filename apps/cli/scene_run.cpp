@@ -116,6 +116,12 @@ double band_of(const OutputOptions& outputs, const scene::BuiltScene& scene) {
   return outputs.band.value_or(4 * scene.voxel);
 }
 
+/// Programs that read .vdb take what is in it for distances.
+bool holds_distances(const std::string& file, const OutputOptions& outputs) {
+  return outputs.values.empty() ? io::format_of(file, io::Ability::write_volume).about.name == "vdb"
+                                : outputs.values == "distance";
+}
+
 Work work_of(const scene::BuiltScene& scene, const OutputOptions& outputs) {
   const Files files(outputs);
   Work work;
@@ -124,7 +130,9 @@ Work work_of(const scene::BuiltScene& scene, const OutputOptions& outputs) {
   work.tiles = files.meshes.empty() ? 1 : static_cast<int>(outputs.tiles.value_or(1));
   work.picture = !outputs.preview.empty();
   work.meshed = !files.meshes.empty() || work.picture || !outputs.report.empty() || files.volumes.empty();
-  work.band = band_of(outputs, scene);
+  work.distance = !files.volumes.empty() && holds_distances(files.volumes.front(), outputs);
+  work.band =
+      work.distance ? scene::level_set_reach(scene, band_of(outputs, scene)) : band_of(outputs, scene);
   work.half = outputs.half;
   return work;
 }
@@ -226,19 +234,29 @@ std::string write_volumes(const scene::BuiltScene& scene, const OutputOptions& o
   volume::SampleSettings settings;
   settings.band = band_of(outputs, scene);
   if (outputs.half) settings.precision = volume::Precision::half;
-  const double start = now();
-  io::Volume volume = scene::sample_scene(scene, settings, console);
-  const double sampled = now();
-  for (const std::string& file : files) {
-    volume.metadata = metadata(scene, file);
-    io::write_volume(file, volume, console);
-    written.emplace_back(file);
+  std::string told;
+  double sampled = 0, wrote = 0;
+  for (const bool distance : {false, true}) {
+    std::optional<io::Volume> volume;
+    for (const std::string& file : files) {
+      if (holds_distances(file, outputs) != distance) continue;
+      if (!volume)
+        timed(sampled, [&] {
+          volume = distance ? scene::level_set(scene, settings, console)
+                            : scene::sample_scene(scene, settings, console);
+        });
+      volume->metadata = metadata(scene, file);
+      timed(wrote, [&] { io::write_volume(file, *volume, console); });
+      written.emplace_back(file);
+    }
+    if (!volume) continue;
+    const Vec3i n = volume->grid.frame().size;
+    told += fmt::format("volume: {} x {} x {} samples of {:g} m, {} in memory\n", n.x, n.y, n.z,
+                        volume->grid.frame().spacing, as_bytes(volume->grid.bytes()));
   }
-  seconds.emplace_back("sample volume", sampled - start);
-  seconds.emplace_back("write volume", now() - sampled);
-  const Vec3i n = volume.grid.frame().size;
-  return fmt::format("volume: {} x {} x {} samples of {:g} m, {} in memory\n", n.x, n.y, n.z,
-                     volume.grid.frame().spacing, as_bytes(volume.grid.bytes()));
+  seconds.emplace_back("sample volume", sampled);
+  seconds.emplace_back("write volume", wrote);
+  return told;
 }
 
 /// Makes everything that is asked for, the report last, which tells of the rest.
@@ -278,8 +296,8 @@ void check_outputs(const scene::Document& document, const std::string& scene_fil
   if (!outputs.any())
     fail(ErrorKind::usage, "nothing to write: give -o FILE, --preview PNG, --report JSON or --dry-run");
   const Files files(outputs);
-  if (files.volumes.empty() && (outputs.band || outputs.half))
-    fail(ErrorKind::usage, "--band and --half are for volumes; give -o FILE.tvol or FILE.vdb");
+  if (files.volumes.empty() && (outputs.band || outputs.half || !outputs.values.empty()))
+    fail(ErrorKind::usage, "--band, --half and --values are for volumes; give -o FILE.tvol or FILE.vdb");
   const auto none = [&](const auto& can) {
     return std::none_of(files.meshes.begin(), files.meshes.end(), [&](const std::string& file) {
       return can(io::format_of(file, {io::Ability::write_mesh}));

@@ -39,6 +39,7 @@ struct OutputOptions {
   std::string preview, save_scene, report;
   std::optional<std::int64_t> tiles;
   std::optional<double> band;
+  std::string values;             ///< of volumes: distance, field, or empty for what the format usually has
   std::optional<double> texture;  ///< metres that a picture covers
   std::string up;                 ///< "y", "z" or empty
   bool world_coordinates = false;

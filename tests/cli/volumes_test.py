@@ -56,14 +56,30 @@ class Volumes(Case):
             self.assertEqual(done.returncode, 4)
             self.assertIn("no OpenVDB", done.stderr)
             self.skipTest("built without OpenVDB")
+        # Distances, as other programs expect; the scene's own values where asked for.
         self.passes("build", "a.vdb", "-o", "b.glb")
-        a, b = (json.loads(self.passes("metrics", name, "--json")) for name in ("a.glb", "b.glb"))
+        self.passes("build", "s.toml", "-o", "f.vdb", "--values", "field")
+        self.passes("build", "f.vdb", "-o", "f.glb")
+        a, b, f = (json.loads(self.passes("metrics", name, "--json")) for name in ("a.glb", "b.glb", "f.glb"))
         self.assertEqual(a["triangles"], b["triangles"])
-        self.assertAlmostEqual(a["volume"] / b["volume"], 1, delta=1e-5)
+        self.assertEqual(a["triangles"], f["triangles"])
+        self.assertAlmostEqual(a["volume"] / b["volume"], 1, delta=2e-3)
+        self.assertAlmostEqual(a["volume"] / f["volume"], 1, delta=1e-5)
+        for corner in ("low", "high"):
+            for u, v in zip(a[corner], b[corner]):
+                self.assertAlmostEqual(u, v, delta=0.1)
+        # The same bytes again, and a band that cannot be measured is refused before anything is written.
+        (self.dir / "sub").mkdir()
+        self.passes("build", "s.toml", "-o", "sub/a.vdb")
+        self.assertEqual(*((self.dir / name).read_bytes() for name in ("a.vdb", "sub/a.vdb")))
+        self.fails(2, "at most 14 cells", "build", "s.toml", "-o", "c.vdb", "--band", "20")
+        self.fails(2, "at most 14 cells", "build", "s.toml", "-o", "c.vdb", "--band", "0")
+        self.passes("build", "s.toml", "-o", "c.vdb", "--band", "20", "--values", "field")
         if shutil.which("vdb_print"):
-            said = subprocess.run(["vdb_print", "-l", self.dir / "a.vdb"], capture_output=True, text=True)
+            said = subprocess.run(["vdb_print", "-m", self.dir / "a.vdb"], capture_output=True, text=True)
             self.assertEqual(said.returncode, 0)
             self.assertIn("level set", said.stdout)
+            self.assertIn("world_origin", said.stdout)
 
     def test_info_query_and_layers(self):
         self.passes("build", "s.toml", "-o", "a.tvol")

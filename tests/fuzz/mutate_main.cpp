@@ -1,9 +1,12 @@
 // Runs a fuzz target without libFuzzer: mutates its seeds a given number of times, the same way each run.
 // usage: TARGET [COUNT [SEED]]
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -73,10 +76,23 @@ const std::vector<std::string> tokens = {"[",
                                          "children",
                                          "mesh"};
 
+/// Overwrites a number of a binary file with one that its reader may not expect; often where there is one.
+void overwrite_number(std::string& text, tafoni::Random& random) {
+  if (text.empty()) return;
+  std::size_t at = random.below(text.size());
+  for (int i = 0; i < 20 && text[at] == 0 && random.below(8) != 0; ++i) at = random.below(text.size());
+  constexpr std::int64_t ends[] = {-1, 0, 1, 0x7f, 0x7fff, 0x7fffffff, -0x80000000ll};
+  const std::int64_t number = random.below(2)   ? ends[random.below(std::size(ends))]
+                              : random.below(2) ? std::int64_t{1} << random.below(63)
+                                                : static_cast<std::int64_t>(random.below(1000)) - 20;
+  const std::size_t bytes = std::min(std::size_t{1} << random.below(4), text.size() - at);
+  std::memcpy(text.data() + at, &number, bytes);
+}
+
 std::string mutated(std::string text, tafoni::Random& random, const std::vector<std::string>& seeds) {
   const auto at = [&] { return random.below(text.size() + 1); };
   for (std::uint64_t n = random.below(6) + 1; n > 0; --n) {
-    switch (random.below(7)) {
+    switch (random.below(9)) {
       case 0:
         if (!text.empty()) text[random.below(text.size())] = static_cast<char>(random.below(256));
         break;
@@ -101,6 +117,10 @@ std::string mutated(std::string text, tafoni::Random& random, const std::vector<
         text.insert(at(), other.substr(random.below(other.size() + 1), random.below(60)));
         break;
       }
+      case 6:
+      case 7:
+        overwrite_number(text, random);
+        break;
       default:
         text.insert(at(), 1, static_cast<char>(random.below(128)));
     }
@@ -115,11 +135,15 @@ int main(int argc, char** argv) {
   tafoni::Random random(argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1);
   const std::vector<std::string> seeds = fuzz_seeds();
   std::vector<std::string> pool = seeds;
+  std::size_t longest = 2000;
+  for (const std::string& seed : seeds) longest = std::max(longest, 2 * seed.size());
   for (std::uint64_t i = 0; i < count; ++i) {
-    std::string text = mutated(pool[random.below(pool.size())], random, seeds);
+    // Half of them begin at a seed: of a binary file little is understood once its head is broken.
+    std::string text = mutated(
+        random.below(2) ? pool[random.below(pool.size())] : seeds[random.below(seeds.size())], random, seeds);
     LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
     // A pool that drifts away from the seeds reaches deeper than single mutations of them.
-    if (text.size() < 2000 && random.below(4) == 0) {
+    if (text.size() < longest && random.below(4) == 0) {
       if (pool.size() < 500)
         pool.push_back(std::move(text));
       else

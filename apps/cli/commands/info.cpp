@@ -68,24 +68,21 @@ Json values_json(const Values& values) {
   return out;
 }
 
-Json volume_json(const std::string& file, const io::Volume& v) {
-  const volume::GridFrame& frame = v.grid.frame();
-  const Interval range = v.grid.range(frame.box());
-  const Vec3d lo = v.origin + frame.box().lo, hi = v.origin + frame.box().hi;
-  const Vec3i chunks = v.grid.chunks();
+Json volume_json(const std::string& file, const io::VolumeInfo& v) {
+  const Vec3d lo = v.origin + v.frame.box().lo, hi = v.origin + v.frame.box().hi;
   Json out = {{"file", file},
               {"name", v.metadata.name},
               {"crs", v.metadata.crs},
-              {"samples", {frame.size.x, frame.size.y, frame.size.z}},
-              {"spacing_m", frame.spacing},
-              {"precision", v.grid.precision() == volume::Precision::half ? "half" : "single"},
+              {"samples", {v.frame.size.x, v.frame.size.y, v.frame.size.z}},
+              {"spacing_m", v.frame.spacing},
+              {"precision", v.precision == volume::Precision::half ? "half" : "single"},
               {"low", {lo.x, lo.y, lo.z}},
               {"high", {hi.x, hi.y, hi.z}},
-              {"least_m", range.lo},
-              {"greatest_m", range.hi},
-              {"chunks", std::int64_t{chunks.x} * chunks.y * chunks.z},
-              {"full_chunks", v.grid.full_chunks()},
-              {"memory_bytes", v.grid.bytes()}};
+              {"least_m", v.values.lo},
+              {"greatest_m", v.values.hi},
+              {"chunks", v.chunks},
+              {"full_chunks", v.full_chunks},
+              {"memory_bytes", v.bytes}};
   out["generator"] = values_json(v.metadata.generator);
   return out;
 }
@@ -186,7 +183,7 @@ std::string scene_text(const scene::Document& d) {
 std::pair<Json, std::string> source_of(const std::string& file, const io::DemOptions& options,
                                        Console& console) {
   if (io::can(file, io::Ability::read_volume)) {
-    const Json json = volume_json(file, io::read_volume(file, console));
+    const Json json = volume_json(file, io::inspect_volume(file, console));
     return {json, volume_text(json)};
   }
   const io::DemInfo dem = io::inspect_dem(file, options, console);

@@ -23,7 +23,7 @@ bool can(const FormatType& format, Ability ability) {
     case Ability::write_volume:
       return format.write_volume != nullptr;
     case Ability::read_volume:
-      return format.read_volume != nullptr;
+      return format.open_volume != nullptr;
   }
   return false;
 }

@@ -26,6 +26,9 @@ namespace tafoni::io {
 struct MeshForm;
 struct MeshMetadata;
 struct Volume;
+namespace impl {
+struct VolumeSource;
+}
 
 /// What a mesh's file says and how it says it; the form has an axis that is up.
 struct MeshOutput {
@@ -46,8 +49,8 @@ struct FormatType {
   void (*write_image)(AtomicFile&, const raster::Image&) = nullptr;
   /// Writes the whole file; the caller commits it. Throws Error{output}.
   void (*write_volume)(AtomicFile&, const Volume&, Progress&) = nullptr;
-  /// Like read_mesh. Every sample is finite.
-  Volume (*read_volume)(std::span<const std::byte> bytes, std::string_view file, Progress&) = nullptr;
+  /// Opens a whole file that lies in memory and outlives the result. Like read_mesh.
+  impl::VolumeSource (*open_volume)(std::span<const std::byte> bytes, std::string_view file) = nullptr;
   bool texture = false;       ///< whether meshes keep their texture coordinates
   bool world = false;         ///< whether it holds positions in double
   bool float_colors = false;  ///< whether it holds colours as floats

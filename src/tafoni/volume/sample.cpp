@@ -42,11 +42,12 @@ SampleBox common(const SampleBox& a, Vec3i lo, int size) {
 /// Samples a column of blocks of 64^3 samples. One a thread.
 class ColumnSampler {
  public:
-  ColumnSampler(const field::CompiledField& field, const GridFrame& frame, float band,
+  ColumnSampler(const field::CompiledField& field, const GridFrame& frame, float band, bool limit,
                 const Progress& progress)
       : field_(field),
         frame_(frame),
         band_(band),
+        limit_(limit && band > 0),
         evaluator_(field, frame.spacing, frame.origin,
                    band > 0 ? band : std::numeric_limits<float>::infinity()) {
     evaluator_.watch(progress);
@@ -114,7 +115,7 @@ class ColumnSampler {
         float* row = made.values.data() + made.box.index(lo + Vec3i{0, j, k});
         for (int i = 0; i < part.size().x; ++i) {
           const float v = active ? samples_.at(at.x + i, at.y + j, at.z + k) : beyond;
-          row[i] = band_ > 0 ? std::clamp(v, -band_, band_) : v;
+          row[i] = limit_ ? std::clamp(v, -band_, band_) : v;
         }
       }
   }
@@ -122,6 +123,7 @@ class ColumnSampler {
   const field::CompiledField& field_;
   const GridFrame& frame_;
   float band_;
+  bool limit_;
   field::ChunkEvaluator evaluator_;
   field::ChunkSamples samples_;
 };
@@ -175,7 +177,8 @@ ScalarGrid sample(const field::CompiledField& field, const GridFrame& frame, con
         count,
         [&](std::int64_t i) {
           Column& column = group[i];
-          if (!column.sampler) column.sampler = std::make_unique<ColumnSampler>(field, frame, band, progress);
+          if (!column.sampler)
+            column.sampler = std::make_unique<ColumnSampler>(field, frame, band, settings.limit, progress);
           const Vec3i at = sample_at({columns_x, columns_y, 1}, begin + i);
           column.sampler->run(at.x, at.y, column.chunks);
         },

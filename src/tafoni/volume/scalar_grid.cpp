@@ -201,7 +201,7 @@ struct ScalarGrid::State {
   }
 };
 
-ScalarGrid::ScalarGrid(const GridFrame& frame, float value, Precision precision) {
+void check(const GridFrame& frame) {
   const Vec3i n = frame.size;
   if (n.x < 2 || n.y < 2 || n.z < 2)
     fail(ErrorKind::usage, "a grid of {} x {} x {} samples has no cells: each side takes at least 2", n.x,
@@ -212,6 +212,11 @@ ScalarGrid::ScalarGrid(const GridFrame& frame, float value, Precision precision)
   if (1.0 * n.x * n.y * n.z > 0x1p40 || std::max({n.x, n.y, n.z}) > 1 << 30)
     fail(ErrorKind::usage, "a grid of {} x {} x {} samples is too large: at most 2^40 in all, 2^30 a side",
          n.x, n.y, n.z);
+}
+
+ScalarGrid::ScalarGrid(const GridFrame& frame, float value, Precision precision) {
+  check(frame);
+  const Vec3i n = frame.size;
   const auto count = [](int samples) { return (samples - 1) / side + 1; };
   float row[1] = {value};
   round_row(precision, row);
@@ -321,6 +326,13 @@ void ScalarGrid::fill(const SampleBox& box, float value) {
   });
 }
 
+void ScalarGrid::share(Vec3i from, Vec3i to) {
+  State& state = *state_;
+  if (state.samples_of(from).size() != state.samples_of(to).size())
+    fail(ErrorKind::internal, "a chunk shares the samples of one of another size");
+  state.slots[state.slot_index(to)] = state.slots[state.slot_index(from)];
+}
+
 SampleBox ScalarGrid::edit(const SampleBox& box,
                            const std::function<void(Vec3i first, std::span<float> row)>& change) {
   SampleBox changed;
@@ -422,10 +434,18 @@ std::uint64_t ScalarGrid::full_chunks() const {
                        [](const Slot& s) { return bool(s.chunk); });
 }
 
+std::uint64_t ScalarGrid::slot_bytes() {
+  return sizeof(Slot);
+}
+
+std::uint64_t ScalarGrid::full_chunk_bytes(Precision precision) {
+  const std::uint64_t sample = precision == Precision::single ? sizeof(float) : sizeof(std::uint16_t);
+  return sizeof(GridChunk) + sample * impl::chunk_size;
+}
+
 std::uint64_t ScalarGrid::bytes() const {
-  const std::uint64_t sample = state_->precision == Precision::single ? sizeof(float) : sizeof(std::uint16_t);
-  return sizeof(State) + state_->slots.capacity() * sizeof(Slot) +
-         full_chunks() * (sizeof(GridChunk) + sample * impl::chunk_size);
+  return sizeof(State) + state_->slots.capacity() * slot_bytes() +
+         full_chunks() * full_chunk_bytes(state_->precision);
 }
 
 bool operator==(const ScalarGrid& a, const ScalarGrid& b) {

@@ -26,6 +26,10 @@ struct GridFrame {
   friend bool operator==(const GridFrame&, const GridFrame&) = default;
 };
 
+/// Throws Error{usage} for a frame that no grid has: without cells, of more than 2^40 samples, of more than
+/// 2^30 a side, or not finite.
+void check(const GridFrame& frame);
+
 /// Samples from lo to hi, both included; empty where a side of hi is below lo's.
 struct SampleBox {
   Vec3i lo{0, 0, 0}, hi{-1, -1, -1};
@@ -51,7 +55,7 @@ class ScalarGrid {
   /// value where all are the same.
   static constexpr int chunk_samples = 32;
 
-  /// Throws Error{usage} for a frame without cells, of more than 2^40 samples or of more than 2^30 a side.
+  /// Throws Error{usage} as check() does.
   ScalarGrid(const GridFrame& frame, float value, Precision precision = Precision::single);
   ScalarGrid(const ScalarGrid&);
   ScalarGrid& operator=(const ScalarGrid&);
@@ -75,6 +79,8 @@ class ScalarGrid {
   void write(const SampleBox& box, const float* in);
   /// Gives every sample of the box, within the frame, the value. Chunks wholly in it then take no memory.
   void fill(const SampleBox& box, float value);
+  /// Gives one chunk all that another of as many samples holds. They share the memory until one is edited.
+  void share(Vec3i from, Vec3i to);
   /// `change(first, row)` may alter the values of a run of samples along x. A run never crosses a chunk;
   /// chunks are visited in order and by one thread. Other threads may edit other chunks meanwhile. Gives the
   /// box of the samples whose value changed.
@@ -101,6 +107,9 @@ class ScalarGrid {
   bool uniform(Vec3i chunk, float* value = nullptr) const;
   std::uint64_t full_chunks() const;
   std::uint64_t bytes() const;  ///< of memory, shared chunks included
+  /// What a grid takes besides its full chunks for each chunk, and a full chunk.
+  static std::uint64_t slot_bytes();
+  static std::uint64_t full_chunk_bytes(Precision precision);
 
   /// Frames, precision and every sample's bits.
   friend bool operator==(const ScalarGrid& a, const ScalarGrid& b);

@@ -18,8 +18,11 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <numeric>
+#include <map>
+#include <memory>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -186,8 +189,7 @@ std::string header_of(const Volume& volume, std::size_t text, std::size_t table)
   return out;
 }
 
-std::string encode_chunk(const ScalarGrid& grid, std::int64_t index) {
-  const volume::SampleBox box = impl::chunk_box(grid, index);
+std::string encode_chunk(const ScalarGrid& grid, const volume::SampleBox& box) {
   const Vec3i n = box.size();
   std::vector<float> values(box.count());
   grid.read(box, values.data());
@@ -197,7 +199,8 @@ std::string encode_chunk(const ScalarGrid& grid, std::int64_t index) {
 
 void write(AtomicFile& out, const Volume& volume, Progress& progress) {
   const ScalarGrid& grid = volume.grid;
-  const std::int64_t total = impl::chunk_count(grid);
+  const impl::Chunks chunks(grid.frame());
+  const std::int64_t total = chunks.count();
   std::vector<TableEntry> table(total);
   std::vector<std::string> data(table.size());
   parallel_for(
@@ -205,12 +208,12 @@ void write(AtomicFile& out, const Volume& volume, Progress& progress) {
       [&](std::int64_t i) {
         TableEntry& entry = table[i];
         float same = 0;
-        if (grid.uniform(impl::chunk_place(grid, i), &same)) {
+        if (grid.uniform(chunks.place(i), &same)) {
           entry = {0, std::bit_cast<std::uint32_t>(same)};
           return;
         }
         std::string& chunk = data[i];
-        chunk = encode_chunk(grid, i);
+        chunk = encode_chunk(grid, chunks.box(i));
         entry = {static_cast<std::uint32_t>(chunk.size()), short_hash_of(bytes_of(chunk))};
       },
       progress);
@@ -240,44 +243,43 @@ class Reader {
     const std::uint64_t left = bytes.size() - header_bytes;
     if (text > left || table > left - text) damaged("it is cut off");
     text_ = bytes.subspan(header_bytes, text);
-    table_ = bytes.subspan(header_bytes + text, table);
+    packed_table_ = bytes.subspan(header_bytes + text, table);
     data_ = bytes.subspan(header_bytes + text + table);
-    if (hash_of(table_, hash_of(text_, hash_of(bytes.first(hash_at)))) !=
+    if (hash_of(packed_table_, hash_of(text_, hash_of(bytes.first(hash_at)))) !=
         impl::load<std::uint64_t>(bytes, hash_at))
       damaged("its header does not match its checksum");
   }
 
-  Volume read(Progress& progress) {
-    const auto sample = impl::load<std::uint32_t>(bytes_, 12);
-    if ((sample != 2 && sample != 4) || impl::load<std::uint32_t>(bytes_, 84) != ScalarGrid::chunk_samples)
+  /// Reads all but the samples, into what load() needs.
+  impl::VolumeSource open() {
+    sample_ = impl::load<std::uint32_t>(bytes_, 12);
+    if ((sample_ != 2 && sample_ != 4) || impl::load<std::uint32_t>(bytes_, 84) != ScalarGrid::chunk_samples)
       damaged("its header says what cannot be");
-    volume::GridFrame frame;
-    frame.origin = impl::load<Vec3d>(bytes_, 40);
-    frame.spacing = impl::load<double>(bytes_, 64);
-    frame.size = impl::load<Vec3i>(bytes_, 72);
-    check_table(frame.size);
-    Volume out = impl::empty_volume(frame, 0, sample == 2 ? Precision::half : Precision::single,
-                                    impl::load<Vec3d>(bytes_, 16), file_);
-    out.metadata = metadata();
-    const std::vector<TableEntry> table = read_table(impl::chunk_count(out.grid));
-    std::vector<std::uint64_t> starts(table.size() + 1);
-    for (std::size_t i = 0; i < table.size(); ++i) starts[i + 1] = starts[i] + table[i].bytes;
-    if (starts.back() != data_.size()) damaged("it is cut off or something was appended");
-    progress.begin("reading " + std::string(file_), table.size(), "chunks");
-    impl::fill_chunks(
-        out.grid, file_,
-        [&](std::int64_t i, impl::ChunkValues& chunk) {
-          if (table[i].bytes == 0) {
-            chunk.same = std::bit_cast<float>(table[i].what);
-            return;
-          }
-          const auto packed = data_.subspan(starts[i], table[i].bytes);
-          if (short_hash_of(packed) != table[i].what) damaged("a chunk does not match its checksum");
-          unpack(packed, sample, impl::chunk_box(out.grid, i).size(), chunk.values);
-        },
-        progress);
-    progress.end();
+    impl::VolumeSource out{.frame = {impl::load<Vec3d>(bytes_, 40), impl::load<double>(bytes_, 64),
+                                     impl::load<Vec3i>(bytes_, 72)},
+                           .origin = impl::load<Vec3d>(bytes_, 16),
+                           .precision = sample_ == 2 ? Precision::half : Precision::single,
+                           .metadata = metadata()};
+    impl::check_frame(out.frame, out.origin, file_);
+    read_table(impl::Chunks(out.frame).count());
+    out.full_chunks = find_repeats(impl::Chunks(out.frame));
     return out;
+  }
+
+  void load(std::int64_t index, Vec3i size, impl::ChunkValues& chunk) const {
+    const TableEntry& entry = table_[index];
+    if (entry.bytes == 0) {
+      chunk.same = std::bit_cast<float>(entry.what);
+      return;
+    }
+    const auto repeat = std::lower_bound(repeats_.begin(), repeats_.end(), std::pair{index, std::int64_t{0}});
+    if (repeat != repeats_.end() && repeat->first == index) {
+      chunk.like = repeat->second;
+      return;
+    }
+    const auto packed = data_.subspan(starts_[index], entry.bytes);
+    if (short_hash_of(packed) != entry.what) damaged("a chunk does not match its checksum");
+    unpack(packed, size, chunk.values);
   }
 
  private:
@@ -298,37 +300,63 @@ class Reader {
     return out;
   }
 
-  /// Is called before a frame of any size is given memory.
-  void check_table(Vec3i size) const {
-    const auto chunks = [](int n) { return std::ceil(n / double{ScalarGrid::chunk_samples}); };
-    const auto bytes = static_cast<double>(ZSTD_getFrameContentSize(table_.data(), table_.size()));
-    if (bytes != chunks(size.x) * chunks(size.y) * chunks(size.z) * sizeof(TableEntry))
+  /// The table's size is known before it is given memory, and bounded: zstd makes of a byte 20,000 at most.
+  void read_table(std::int64_t chunks) {
+    if (ZSTD_getFrameContentSize(packed_table_.data(), packed_table_.size()) != chunks * sizeof(TableEntry))
       damaged("its table of chunks is not that of its size");
-  }
-
-  std::vector<TableEntry> read_table(std::int64_t chunks) const {
-    std::vector<TableEntry> table(chunks);
-    if (!decompress(table_, std::as_writable_bytes(std::span(table))))
+    impl::check_memory(chunks, 0, Precision::single, bytes_.size(), file_);
+    table_.resize(chunks);
+    if (!decompress(packed_table_, std::as_writable_bytes(std::span(table_))))
       damaged("its table of chunks cannot be read");
-    return table;
+    starts_.resize(table_.size() + 1);
+    for (std::size_t i = 0; i < table_.size(); ++i) starts_[i + 1] = starts_[i] + table_[i].bytes;
+    if (starts_.back() != data_.size()) damaged("it is cut off or something was appended");
   }
 
-  void unpack(std::span<const std::byte> packed, std::uint32_t sample, Vec3i size,
-              std::vector<float>& values) const {
-    std::vector<std::byte> planes(values.size() * sample);
+  /// Chunks whose bytes are those of an earlier one of the same size are read once. Gives how many others
+  /// there are that hold more than one value.
+  std::uint64_t find_repeats(const impl::Chunks& chunks) {
+    std::uint64_t distinct = 0;
+    std::map<std::tuple<std::uint32_t, std::uint32_t, int, int, int>, std::int64_t> first;
+    for (std::int64_t i = 0; i < std::ssize(table_); ++i) {
+      if (table_[i].bytes == 0) continue;
+      const Vec3i size = chunks.box(i).size();
+      const auto [found, fresh] =
+          first.try_emplace({table_[i].bytes, table_[i].what, size.x, size.y, size.z}, i);
+      const auto own = data_.subspan(starts_[i], table_[i].bytes);
+      if (!fresh && std::equal(own.begin(), own.end(), data_.begin() + starts_[found->second]))
+        repeats_.emplace_back(i, found->second);
+      else
+        ++distinct;
+    }
+    return distinct;
+  }
+
+  void unpack(std::span<const std::byte> packed, Vec3i size, std::vector<float>& values) const {
+    std::vector<std::byte> planes(values.size() * sample_);
     if (!decompress(packed, planes)) damaged("a chunk cannot be read");
-    if (sample == 2)
+    if (sample_ == 2)
       decode<std::uint16_t>(planes, size, values);
     else
       decode<std::uint32_t>(planes, size, values);
   }
 
-  std::span<const std::byte> bytes_, text_, table_, data_;
-  std::string_view file_;
+  std::span<const std::byte> bytes_, text_, packed_table_, data_;
+  std::string file_;
+  std::uint32_t sample_ = 0;  ///< bytes of one
+  std::vector<TableEntry> table_;
+  std::vector<std::uint64_t> starts_;
+  std::vector<std::pair<std::int64_t, std::int64_t>>
+      repeats_;  ///< chunks that are like an earlier one, and which
 };
 
-Volume read(std::span<const std::byte> bytes, std::string_view file, Progress& progress) {
-  return Reader(bytes, file).read(progress);
+impl::VolumeSource open(std::span<const std::byte> bytes, std::string_view file) {
+  const auto reader = std::make_shared<Reader>(bytes, file);
+  impl::VolumeSource out = reader->open();
+  out.load = [reader](std::int64_t index, const volume::SampleBox& box, impl::ChunkValues& chunk) {
+    reader->load(index, box.size(), chunk);
+  };
+  return out;
 }
 
 }  // namespace
@@ -340,7 +368,7 @@ const FormatType& declaration() {
                 .source = "the layout stands at the head of io/formats/tvol.cpp"},
       .extensions = {"tvol"},
       .write_volume = write,
-      .read_volume = read,
+      .open_volume = open,
   };
   return type;
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <gmock/gmock.h>
+#include <zstd.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/test/errors.h"
@@ -20,7 +21,7 @@ using Tvol = VolumeFiles;
 
 std::string sentence(std::string_view bytes) {
   try {
-    find_format("tvol").read_volume(std::as_bytes(std::span(bytes.data(), bytes.size())), "test", silent());
+    read_volume(std::as_bytes(std::span(bytes.data(), bytes.size())), "test.tvol");
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::input);
     return error.what();
@@ -82,7 +83,7 @@ TEST_F(Tvol, DamageIsNoticed) {
     }
     if (bad == good) continue;  // a bit flipped there and back
     ++changed;
-    EXPECT_THAT(sentence(bad), HasSubstr("test: ")) << i;
+    EXPECT_THAT(sentence(bad), HasSubstr("test.tvol: ")) << i;
   }
   EXPECT_GT(changed, trials * 9 / 10);
 }
@@ -101,7 +102,7 @@ TEST_F(Tvol, EveryFlippedBitIsNoticed) {
   for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
     std::string bad = good;
     bad[bit / 8] = static_cast<char>(bad[bit / 8] ^ (1 << (bit % 8)));
-    EXPECT_THAT(sentence(bad), HasSubstr("test: ")) << "bit " << bit % 8 << " of byte " << bit / 8;
+    EXPECT_THAT(sentence(bad), HasSubstr("test.tvol: ")) << "bit " << bit % 8 << " of byte " << bit / 8;
   }
 }
 
@@ -145,11 +146,78 @@ TEST_F(Tvol, TextNestedAsDeeplyAsAnyoneLikesIsRead) {
 TEST_F(Tvol, SmallFilesTakeNoMemoryForHugeSizes) {
   write_volume(path("a.tvol"), hollow_ball(Precision::single, {40, 40, 40}));
   const std::string good = bytes("a.tvol");
-  for (const Vec3i size : {Vec3i{2, 700000, 700000}, {40, 40, 80}, {-40, -40, 40}})
-    EXPECT_THAT(
-        sentence(with_text(
-            good, "{}", [&](std::string& header) { std::memcpy(header.data() + 72, &size, sizeof size); })),
-        HasSubstr("is not that of its size"));
+  const auto with_size = [&](Vec3i size) {
+    return sentence(with_text(
+        good, "{}", [&](std::string& header) { std::memcpy(header.data() + 72, &size, sizeof size); }));
+  };
+  for (const Vec3i size : {Vec3i{2, 700000, 700000}, {40, 40, 80}})
+    EXPECT_THAT(with_size(size), HasSubstr("is not that of its size"));
+  EXPECT_THAT(with_size({-40, -40, 40}), HasSubstr("no cells"));
+}
+
+/// A file of chunks that are all of one value, or all hold the same few bytes.
+std::string file_of(Vec3i size, std::string_view chunk) {
+  std::int64_t chunks = 1;
+  for (const int n : {size.x, size.y, size.z}) chunks *= (n + 31) / 32;
+  std::uint32_t hash = 0x811c9dc5u;
+  for (const char c : chunk) hash = (hash ^ static_cast<unsigned char>(c)) * 0x01000193u;
+  std::string table;
+  for (std::int64_t i = 0; i < chunks; ++i) {
+    const std::uint32_t entry[] = {static_cast<std::uint32_t>(chunk.size()),
+                                   chunk.empty() ? 0x3f800000u : hash};
+    table.append(reinterpret_cast<const char*>(entry), sizeof entry);
+  }
+  std::string packed(ZSTD_compressBound(table.size()), '\0');
+  packed.resize(ZSTD_compress(packed.data(), packed.size(), table.data(), table.size(), 3));
+  std::string out = "TAFONVOL";
+  const auto put = [&](const auto& v) { out.append(reinterpret_cast<const char*>(&v), sizeof v); };
+  put(std::uint32_t{2}), put(std::uint32_t{4});
+  for (const double v : {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0}) put(v);
+  put(size), put(std::uint32_t{32}), put(std::uint64_t{0}), put(std::uint64_t{packed.size()});
+  out = with_text(out + std::string(8, '\0') + packed, "{}");
+  for (std::int64_t i = 0; i < chunks; ++i) out += chunk;
+  return out;
+}
+
+TEST_F(Tvol, MemoryIsBoundedByWhatTheFileCanMean) {
+  // Four million chunks of one value each, from a table that packs to some kilobytes.
+  EXPECT_THAT(sentence(file_of({2, 64000, 64000}, "")), HasSubstr("made to fill the memory"));
+  EXPECT_EQ(sentence(file_of({3200, 3200, 320}, "")), "");
+}
+
+TEST_F(Tvol, WhatRepeatsIsHeldOnce) {
+  Volume slope{volume::ScalarGrid({{0, 0, 0}, 1, {2048, 2048, 32}}, 0), {}, {}};
+  slope.grid.edit(slope.grid.samples(), [](Vec3i first, std::span<float> row) {
+    for (float& v : row) v = 10.0f - static_cast<float>(first.z);
+  });
+  write_volume(path("a.tvol"), slope);
+  EXPECT_LT(bytes("a.tvol").size(), 1000000u);
+  const VolumeInfo info = inspect_volume(path("a.tvol"));
+  EXPECT_EQ(info.full_chunks, 64 * 64);
+  EXPECT_EQ(info.distinct_chunks, 1);
+  EXPECT_LT(info.bytes, 1u << 20);
+  EXPECT_EQ(info.values.lo, -21);
+  EXPECT_EQ(info.values.hi, 10);
+  Volume back = read_volume(path("a.tvol"));
+  EXPECT_TRUE(back.grid == slope.grid);
+  // An edit changes the one chunk only.
+  back.grid.fill({{0, 0, 0}, {3, 3, 3}}, 5);
+  EXPECT_EQ(back.grid.at({40, 0, 0}), 10);
+}
+
+TEST_F(Tvol, InfoTellsWhatTheVolumeHolds) {
+  const Volume volume = hollow_ball(Precision::half);
+  write_volume(path("a.tvol"), volume);
+  const VolumeInfo info = inspect_volume(path("a.tvol"));
+  EXPECT_EQ(info.frame, volume.grid.frame());
+  EXPECT_EQ(info.origin, volume.origin);
+  EXPECT_EQ(info.precision, Precision::half);
+  EXPECT_EQ(info.metadata.crs, "EPSG:25832");
+  EXPECT_EQ(info.full_chunks, static_cast<std::int64_t>(volume.grid.full_chunks()));
+  const Interval range = volume.grid.range(volume.grid.frame().box());
+  EXPECT_EQ(info.values.lo, range.lo);
+  EXPECT_EQ(info.values.hi, range.hi);
+  EXPECT_LE(info.bytes, volume.grid.bytes());
 }
 
 TEST_F(Tvol, PlacesAndSpacingsThatAreNoNumbersAreRefused) {

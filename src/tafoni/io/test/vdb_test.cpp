@@ -1,4 +1,5 @@
-// Our volumes as OpenVDB reads them, and what other programs write as we read it.
+// Our volumes as OpenVDB reads and meshes them, and what other programs write as we read it. OpenVDB is only
+// given files that are whole.
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/test/errors.h"
@@ -96,15 +97,27 @@ TEST_F(Vdb, HalfIsWithinHalfAnUlp) {
       }
 }
 
+/// Whether one of the 26 voxels about it is on the other side of the surface.
+bool beside(const FloatGrid::ConstAccessor& accessor, Coord at) {
+  const bool inside = accessor.getValue(at) < 0;
+  for (int i = 0; i < 27; ++i)
+    if ((accessor.getValue(at.offsetBy(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)) < 0) != inside) return true;
+  return false;
+}
+
+FloatGrid::Ptr open_with_openvdb(const std::filesystem::path& path) {
+  openvdb::initialize();
+  openvdb::io::File file(path.string());
+  file.open();
+  const auto grid = openvdb::gridPtrCast<FloatGrid>(file.readGrid("surface"));
+  file.close();
+  return grid;
+}
+
 TEST_F(Vdb, OpenVdbSeesALevelSet) {
   const Volume volume = hollow_ball(Precision::single);
   write_volume(path("a.vdb"), volume);
-  openvdb::initialize();
-  openvdb::io::File file(path("a.vdb").string());
-  file.open();
-  ASSERT_TRUE(file.hasGrid("surface"));
-  const auto grid = openvdb::gridPtrCast<FloatGrid>(file.readGrid("surface"));
-  file.close();
+  const FloatGrid::Ptr grid = open_with_openvdb(path("a.vdb"));
   ASSERT_TRUE(grid);
   EXPECT_EQ(grid->getGridClass(), openvdb::GRID_LEVEL_SET);
   EXPECT_EQ(grid->background(), 3);
@@ -118,13 +131,15 @@ TEST_F(Vdb, OpenVdbSeesALevelSet) {
         const bool within = x >= 0 && x < frame.size.x && z >= 0 && z < frame.size.z;
         const float expected = within ? -volume.grid.at({x, y, z}) : 3;
         ASSERT_EQ(accessor.getValue(Coord(x, y, z)), expected) << x << " " << y << " " << z;
-        ASSERT_EQ(accessor.isValueOn(Coord(x, y, z)), std::abs(expected) < 3);
+        ASSERT_EQ(accessor.isValueOn(Coord(x, y, z)), std::abs(expected) < 3 || beside(accessor, {x, y, z}));
       }
+  // Programs keep places as floats: what is in the file is local, and the world's origin stands beside it.
   const openvdb::Vec3d at = grid->indexToWorld(Coord(7, 8, 9));
-  const Vec3d world = volume.origin + frame.position({7, 8, 9});
-  EXPECT_NEAR(at.x(), world.x, 1e-9);
-  EXPECT_NEAR(at.y(), world.y, 1e-9);
-  EXPECT_NEAR(at.z(), world.z, 1e-9);
+  const Vec3d local = frame.position({7, 8, 9});
+  EXPECT_EQ(at, openvdb::Vec3d(local.x, local.y, local.z));
+  const auto world = grid->getMetadata<openvdb::Vec3DMetadata>("world_origin");
+  ASSERT_TRUE(world);
+  EXPECT_EQ(world->value(), openvdb::Vec3d(volume.origin.x, volume.origin.y, volume.origin.z));
   // The ball and its hollow: deep rock and air are tiles, not voxels.
   EXPECT_LT(grid->activeVoxelCount(), grid->evalActiveVoxelBoundingBox().volume() / 2);
 }
@@ -208,24 +223,22 @@ TEST_F(Vdb, RefusesWhatItCannotHold) {
 
 TEST_F(Vdb, RefusedFramesNameTheFile) {
   openvdb::initialize();
-  const auto with = [&](openvdb::Vec3i size, openvdb::Vec3d origin, openvdb::Vec3d local) {
+  const auto with = [&](openvdb::Vec3i size, openvdb::Vec3d world) {
     auto grid = FloatGrid::create(1.0f);
     grid->tree().setValueOn(Coord(1, 1, 1), -1);
     grid->insertMeta("tafoni_size", openvdb::Vec3IMetadata(size));
-    grid->insertMeta("tafoni_origin", openvdb::Vec3DMetadata(origin));
-    grid->insertMeta("tafoni_local", openvdb::Vec3DMetadata(local));
+    grid->insertMeta("world_origin", openvdb::Vec3DMetadata(world));
     save(path("d.vdb"), grid);
     return sentence(path("d.vdb"));
   };
   const openvdb::Vec3d zero(0, 0, 0);
-  EXPECT_EQ(with({9, 9, 9}, zero, zero), "");
+  EXPECT_EQ(with({9, 9, 9}, zero), "");
   constexpr int most = std::numeric_limits<int>::max();
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   for (const openvdb::Vec3i& size :
        {openvdb::Vec3i(1 << 20, 1 << 20, 2), {most, 16, 16}, {-most, 9, 9}, {most, most, most}})
-    EXPECT_THAT(with(size, zero, zero), HasSubstr("d.vdb: ")) << size;
-  EXPECT_THAT(with({9, 9, 9}, {0, nan, 0}, zero), HasSubstr("d.vdb: "));
-  EXPECT_THAT(with({9, 9, 9}, zero, {0, 0, nan}), HasSubstr("d.vdb: "));
+    EXPECT_THAT(with(size, zero), HasSubstr("d.vdb: ")) << size;
+  EXPECT_THAT(with({9, 9, 9}, {0, nan, 0}), HasSubstr("d.vdb: "));
 }
 
 TEST_F(Vdb, VoxelsAtTheEndsOfTheIndexSpaceAreRefused) {
@@ -247,10 +260,7 @@ TEST_F(Vdb, WhatOthersAddBeyondTheFrameIsRead) {
   const Volume volume = hollow_ball(Precision::single, {40, 40, 40});
   write_volume(path("a.vdb"), volume);
   const auto changed = [&](const auto& change) {
-    openvdb::io::File file(path("a.vdb").string());
-    file.open();
-    const auto grid = openvdb::gridPtrCast<FloatGrid>(file.readGrid("surface"));
-    file.close();
+    const FloatGrid::Ptr grid = open_with_openvdb(path("a.vdb"));
     change(*grid);
     save(path("b.vdb"), grid);
     return read_volume(path("b.vdb"));
@@ -275,6 +285,9 @@ TEST_F(Vdb, WhatOthersAddBeyondTheFrameIsRead) {
   EXPECT_EQ(value({5, 5, 70}), 2);
   EXPECT_EQ(value({-10, 5, 5}), -3);
   for (int i = 0; i < 40; ++i) EXPECT_EQ(value({i, 20, 20}), volume.grid.at({i, 20, 20}));
+  // A grid that was moved is read where it is now.
+  const Volume moved = changed([](FloatGrid& grid) { grid.transform().postTranslate({100, 0, -7}); });
+  EXPECT_NEAR(length(world(moved, {3, 4, 5}) - world(volume, {3, 4, 5}) - Vec3d{100, 0, -7}), 0, 1e-9);
   // Of a part cut out the frame stays, with air where nothing is left.
   const Volume part = changed([](FloatGrid& grid) { grid.clip(openvdb::CoordBBox(10, 0, 0, 25, 39, 39)); });
   EXPECT_EQ(part.grid.frame(), volume.grid.frame());
@@ -293,11 +306,11 @@ TEST_F(Vdb, CutOffFilesGiveASentence) {
       ADD_FAILURE() << n << " of " << good.size() << " bytes were read";
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::input);
-      EXPECT_THAT(error.what(), HasSubstr("test: "));
+      EXPECT_THAT(error.what(), HasSubstr("test.vdb: "));
     }
   }
   EXPECT_THAT(tafoni::error_of([] { parse("vdb", "solid ball\nendsolid\n"); }),
-              HasSubstr("test: OpenVDB says: "));
+              HasSubstr("test.vdb: does not begin as an OpenVDB file does"));
 }
 
 }  // namespace
@@ -316,12 +329,6 @@ TEST_F(Vdb, WithoutOpenVdbItSaysSo) {
             }).find("this build has no OpenVDB"),
             std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(path("a.vdb")));
-  try {
-    parse("vdb", "x");
-    ADD_FAILURE();
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("no OpenVDB"), std::string::npos);
-  }
 }
 
 }  // namespace

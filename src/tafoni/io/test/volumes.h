@@ -12,7 +12,6 @@
 
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/test_folder.h"
-#include "tafoni/io/format.h"
 #include "tafoni/io/volume_file.h"
 
 namespace tafoni::io {
@@ -45,8 +44,7 @@ class VolumeFiles : public testing::Test {
     return {std::istreambuf_iterator<char>(in), {}};
   }
   static Volume parse(const std::string& format, std::string_view bytes) {
-    return find_format(format).read_volume(std::as_bytes(std::span(bytes.data(), bytes.size())), "test",
-                                           silent());
+    return read_volume(std::as_bytes(std::span(bytes.data(), bytes.size())), "test." + format);
   }
 
  private:

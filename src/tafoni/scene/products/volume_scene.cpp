@@ -12,6 +12,7 @@
 #include "tafoni/field/chunks.h"
 #include "tafoni/io/format.h"
 #include "tafoni/math/whole.h"
+#include "tafoni/surface/distances.h"
 
 namespace tafoni::scene {
 namespace {
@@ -69,15 +70,16 @@ Heights elevations(const field::CompiledField& field, const Box3d& box, double v
 
 }  // namespace
 
-volume::GridFrame volume_frame(const BuiltScene& scene, double band, Progress& progress) {
+volume::GridFrame volume_frame(const BuiltScene& scene, double band, surface::Boundary boundary,
+                               Progress& progress) {
   // The frame holds all of the band, so that a level set does not break off within it.
   const double rim = band + 2 * scene.voxel;
   Box3d box = scene.terrain.box;
-  if (scene.boundary() == surface::Boundary::solid) {
+  if (boundary == surface::Boundary::solid) {
     box.lo -= Vec3d{rim, rim, 0};
     box.hi += Vec3d{rim, rim, 0};
   }
-  const Heights z = elevations(scene.field_for(scene.boundary()), box, scene.voxel, progress);
+  const Heights z = elevations(scene.field_for(boundary), box, scene.voxel, progress);
   if (!(z.lo < z.hi))
     fail(ErrorKind::input, "the scene has no surface; check the terrain's window, domain and voxel size");
   box.lo.z = z.lo - rim;
@@ -86,9 +88,31 @@ volume::GridFrame volume_frame(const BuiltScene& scene, double band, Progress& p
 }
 
 io::Volume sample_scene(const BuiltScene& scene, const volume::SampleSettings& settings, Progress& progress) {
-  const volume::GridFrame frame = volume_frame(scene, settings.band, progress);
+  const volume::GridFrame frame = volume_frame(scene, settings.band, scene.boundary(), progress);
   io::Volume out{
       volume::sample(scene.field_for(scene.boundary()), frame, settings, progress), scene.terrain.origin, {}};
+  out.metadata.crs = scene.crs;
+  return out;
+}
+
+double level_set_reach(const BuiltScene& scene, double band) {
+  // A little more than three cells, so that rounding to halves leaves three.
+  constexpr double least = 3.01;
+  if (band == 0 || band > surface::most_distance * scene.voxel)
+    fail(ErrorKind::usage,
+         "distances are kept within a band of at most {} cells, here {:g} m; give such a --band, or --values "
+         "field",
+         surface::most_distance, surface::most_distance * scene.voxel);
+  return std::max(band, least * scene.voxel);
+}
+
+io::Volume level_set(const BuiltScene& scene, const volume::SampleSettings& settings, Progress& progress) {
+  constexpr auto closed = surface::Boundary::solid;
+  const double reach = level_set_reach(scene, settings.band);
+  const volume::ScalarGrid field =
+      volume::sample(scene.field_for(closed), volume_frame(scene, reach, closed, progress),
+                     {.band = reach, .limit = false}, progress);
+  io::Volume out{surface::distances(field, reach, settings.precision, progress), scene.terrain.origin, {}};
   out.metadata.crs = scene.crs;
   return out;
 }

@@ -357,5 +357,19 @@ TEST(ScalarGrid, FillGivesMemoryBack) {
   }
 }
 
+TEST(ScalarGrid, ChunksThatShareAreEditedApart) {
+  ScalarGrid grid({{0, 0, 0}, 1, {96, 32, 40}}, 1);
+  grid.edit({{3, 4, 5}, {6, 7, 8}}, [](Vec3i, std::span<float> row) { row[0] = 7; });
+  grid.share({0, 0, 0}, {2, 0, 0});
+  EXPECT_EQ(grid.at({67, 4, 5}), 7);
+  EXPECT_EQ(grid.at({66, 4, 5}), 1);
+  grid.fill({{64, 0, 0}, {70, 31, 31}}, -2);
+  EXPECT_EQ(grid.at({67, 4, 5}), -2);
+  EXPECT_EQ(grid.at({3, 4, 5}), 7);
+  grid.share({1, 0, 0}, {0, 0, 0});
+  EXPECT_TRUE(grid.uniform({0, 0, 0}));
+  EXPECT_THROW(grid.share({0, 0, 0}, {0, 0, 1}), Error);  // of fewer samples
+}
+
 }  // namespace
 }  // namespace tafoni::volume

@@ -308,6 +308,46 @@ TEST_F(VolumeScene, ASessionNoticesAnotherFile) {
   EXPECT_LT(update.scene->field_for(surface::Boundary::open).value(p), 0);
 }
 
+TEST_F(VolumeScene, ALevelSetIsTheScenesSolidWithASlopeOfOne) {
+  Document own = document(caves);
+  for (const char* boundary : {"solid", "open"}) {
+    own.scene.boundary = boundary;
+    const BuiltScene scene = build(own);
+    const io::Volume set = level_set(scene, {.band = 3 * scene.voxel});
+    EXPECT_EQ(set.origin, scene.terrain.origin);
+    const volume::GridFrame& frame = set.grid.frame();
+    const Interval range = set.grid.range(frame.box());
+    EXPECT_GT(range.hi, 3 * scene.voxel);
+    EXPECT_EQ(range.lo, -range.hi);
+    // Each sample is on the side where the closed field has it, and neighbours differ by a cell at most.
+    const field::CompiledField field = scene.field_for(surface::Boundary::solid);
+    Random random(1);
+    for (int i = 0; i < 20000; ++i) {
+      const Vec3i s{static_cast<int>(random.below(frame.size.x - 1)),
+                    static_cast<int>(random.below(frame.size.y)),
+                    static_cast<int>(random.below(frame.size.z))};
+      ASSERT_EQ(set.grid.at(s) > 0, field.value(frame.position(s)) > 0);
+      ASSERT_LE(std::abs(set.grid.at(s) - set.grid.at(s + Vec3i{1, 0, 0})), 1.0001 * frame.spacing);
+    }
+    io::write_volume(path("set.tvol"), set);
+    Document again = volume_document(path("set.tvol").string());
+    again.scene.min_fragment = 0;
+    own.scene.boundary = "solid";
+    EXPECT_NEAR(mesh::metrics(mesh_scene(build(again)).mesh).volume /
+                    mesh::metrics(mesh_scene(build(own)).mesh).volume,
+                1, 0.002)
+        << boundary;
+  }
+}
+
+TEST_F(VolumeScene, LevelSetsReachThreeCellsAtLeastAndFourteenAtMost) {
+  const BuiltScene scene = build(document(caves));
+  EXPECT_GT(level_set_reach(scene, 0.1), 3 * scene.voxel);
+  EXPECT_EQ(level_set_reach(scene, 14 * scene.voxel), 14 * scene.voxel);
+  for (const double band : {0.0, 14.1 * scene.voxel})
+    EXPECT_THAT(failure([&] { level_set_reach(scene, band); }), HasSubstr("at most 14 cells"));
+}
+
 TEST_F(VolumeScene, WrongInputsAreOneSentence) {
   save_ball("ball.tvol");
   const auto said = [&](const std::string& layer) {
