@@ -15,7 +15,7 @@ struct Work {
   std::vector<std::string> meshes, volumes;  ///< files
   int tiles = 1;                             ///< along each side
   bool meshed = true, picture = false;
-  double band = 0;  ///< of volumes, metres
+  double band = 0;                      ///< of volumes, metres
   bool half = false, distance = false;  ///< of volumes: their precision, and whether they hold distances
 };
 

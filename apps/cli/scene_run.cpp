@@ -209,9 +209,8 @@ scene::MeshResult write_whole(const scene::BuiltScene& scene, const std::vector<
   if (result.mesh.triangles.empty()) fail_without_surface(scene, result);
   if (outputs.texture) mesh::box_texture(result.mesh, *outputs.texture);
   for (const std::string& file : files) {
-    timed(times.write, [&] {
-      io::write_mesh(file, result.mesh, metadata(scene, file), console, form_of(outputs, file));
-    });
+    timed(times.write,
+          [&] { io::write_mesh(file, result.mesh, metadata(scene, file), console, form_of(outputs, file)); });
     written.emplace_back(file);
   }
   if (!outputs.preview.empty()) {

@@ -226,7 +226,7 @@ struct Coarse {
   double pixels = 0;  ///< that were read
 };
 Coarse read_coarse(const fs::path& path) {
-  const auto source = impl::DemSource::open(path, 0, 0);
+  const auto source = impl::DemSource::open(path, {});
   const auto reading = impl::read_window(*source, {0, 0, large, large}, 8, 8, large / 8, large / 8, silent());
   Coarse out{0, reading.overviews_off, static_cast<double>(source->report.pixels)};
   for (int r = 0; r < large / 8; ++r)

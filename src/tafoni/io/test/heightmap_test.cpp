@@ -38,8 +38,8 @@ struct Picture {
 void write_picture(const fs::path& path, const Picture& picture) {
   impl::ensure_gdal();
   const int bands = static_cast<int>(picture.bands.size());
-  const impl::DatasetPtr memory(impl::memory_driver().Create(
-      "", picture.width, picture.height, bands, picture.type, nullptr));
+  const impl::DatasetPtr memory(
+      impl::memory_driver().Create("", picture.width, picture.height, bands, picture.type, nullptr));
   constexpr GDALColorInterp colours[] = {GCI_RedBand, GCI_GreenBand, GCI_BlueBand, GCI_AlphaBand};
   std::vector<double> row(picture.width);
   for (int b = 0; b < bands; ++b) {

@@ -44,8 +44,8 @@ double default_voxel(const raster::Raster& raster, double influence) {
   const double pixel = std::min(raster.placement.dx, raster.placement.dy);
   const double extent = std::max(raster.placement.dx * raster.width(), raster.placement.dy * raster.height());
   const double least = pixel / most_cells_per_pixel;
-  const double wanted = std::max({std::min(pixel, influence / cells_per_influence), extent / most_cells, least,
-                                  std::sqrt(2 * surface_area(raster) / most_triangles)});
+  const double wanted = std::max({std::min(pixel, influence / cells_per_influence), extent / most_cells,
+                                  least, std::sqrt(2 * surface_area(raster) / most_triangles)});
   const double decade = std::pow(10.0, std::floor(std::log10(wanted)));
   double best = 10 * decade;
   for (double digit : {5.0, 2.5, 2.0, 1.0})

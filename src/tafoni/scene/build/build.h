@@ -58,8 +58,8 @@ BuiltScene build(const Document& document, Progress& progress = silent());
 io::DemOptions dem_options(const TerrainSection& words);
 
 /// A round voxel size for a raster: a pixel, or a tenth of R where pixels are coarser than what landforms
-/// carve, but not so small that the whole is more than about 1,200 cells a side or a pixel more than three, or
-/// that heights in a wrong unit, which are steeper than any ground, make a mesh of far more triangles.
+/// carve, but not so small that the whole is more than about 1,200 cells a side or a pixel more than three,
+/// or that heights in a wrong unit, which are steeper than any ground, make a mesh of far more triangles.
 double default_voxel(const raster::Raster& raster, double influence);
 
 /// The seed of layers[index]: its own, or one made from the scene's seed, the layer's type and name, and how

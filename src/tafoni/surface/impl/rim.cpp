@@ -10,7 +10,7 @@
 namespace tafoni::surface::impl {
 namespace {
 
-constexpr int n = field::chunk_cells;
+constexpr int chunk_side = field::chunk_cells;
 
 /// FacetSum's units a square metre.
 double units(double voxel) {
@@ -19,14 +19,14 @@ double units(double voxel) {
 
 /// The edge of a vertex on a face; the inverse of PieceMaker::note_border.
 LatticeEdge edge_on_face(const Piece& piece, int face, std::uint32_t place) {
-  const int face_axis = face / 2, fixed = face % 2 ? n : 0;
-  const int width = face_axis == 0 ? 1 : n + 1;
+  const int face_axis = face / 2, fixed = face % 2 ? chunk_side : 0;
+  const int width = face_axis == 0 ? 1 : chunk_side + 1;
   const int i = face_axis == 0 ? fixed : static_cast<int>(place % width);
   const int row = static_cast<int>(place / width), axis = row % 3, line = row / 3;
-  const Vec3i at = face_axis == 0   ? Vec3i{i, line % (n + 1), line / (n + 1)}
+  const Vec3i at = face_axis == 0   ? Vec3i{i, line % (chunk_side + 1), line / (chunk_side + 1)}
                    : face_axis == 1 ? Vec3i{i, fixed, line}
                                     : Vec3i{i, line, fixed};
-  return {piece.chunk * n + at, axis};
+  return {piece.chunk * chunk_side + at, axis};
 }
 
 /// Calls body(place in the rim, vertex, edge).
@@ -74,7 +74,8 @@ void settle_rim(Piece& piece, std::span<const FacetSum> rim, double voxel) {
 }
 
 void SeamSums::add(const Piece& piece, std::span<const FacetSum> rim, const ChunkColumns& tile) {
-  const int x0 = tile.x0 * n, x1 = tile.x1 * n, y0 = tile.y0 * n, y1 = tile.y1 * n;
+  const int x0 = tile.x0 * chunk_side, x1 = tile.x1 * chunk_side, y0 = tile.y0 * chunk_side,
+            y1 = tile.y1 * chunk_side;
   for_each_on_rim(piece, [&](std::size_t at, std::uint32_t, const LatticeEdge& edge) {
     const bool on_x = edge.axis != 0 && (edge.at.x == x0 || edge.at.x == x1);
     const bool on_y = edge.axis != 1 && (edge.at.y == y0 || edge.at.y == y1);

@@ -111,14 +111,14 @@ TEST(FieldSource, VerticesLieOnTheSurface) {
   std::vector<float> values(points.size());
   std::vector<Vec3f> gradients(points.size());
   field.gradients(points, values, gradients);
-  std::size_t far = 0;
+  std::size_t far = 0, turned = 0;
   for (std::size_t v = 0; v < points.size(); ++v) {
     far += std::abs(values[v]) > 0.1f * length(gradients[v]);
-    if (length(gradients[v]) > 0.1f) {
-      EXPECT_NEAR(dot(normalized(gradients[v]), mesh.normals[v]), -1, 0.02);
-    }
+    turned += length(gradients[v]) > 0.1f && dot(normalized(gradients[v]), mesh.normals[v]) > -0.98f;
   }
   EXPECT_LT(far, points.size() / 200);
+  // Along creases normals agree with the triangles instead.
+  EXPECT_LT(turned, points.size() / 500);
 }
 
 /// A ball that fills a chunk with bricks to look at, and cancels when it is first asked.
