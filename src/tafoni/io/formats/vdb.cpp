@@ -69,13 +69,14 @@ struct Place {
   Vec3i first;
 };
 
-/// The active voxels with a cell of what lies around, which closes the surface. Begins at a leaf, so that
-/// chunks and leaves stay in step.
+/// The active voxels with a cell of what lies around, which closes the surface. Begins at a multiple of a
+/// chunk's side, so that chunks are in step with leaves and tiles: one that a tile's border crossed would be
+/// held sample by sample.
 std::optional<VdbTree::Extent> with_rim(const VdbTree::Extent& active) {
   if (active.empty()) return std::nullopt;
   VdbTree::Extent out = active;
   for (int axis = 0; axis < 3; ++axis) {
-    out.lo[axis] = (active.lo[axis] - 1) & ~std::int64_t{block - 1};
+    out.lo[axis] = (active.lo[axis] - 1) & ~std::int64_t{ScalarGrid::chunk_samples - 1};
     out.hi[axis] = active.hi[axis] + 1;
   }
   return out;
@@ -111,7 +112,7 @@ Place place_of(const VdbGrid& grid, const VdbTree& tree, std::string_view file) 
                               {own[0] - std::int64_t{1}, own[1] - std::int64_t{1}, own[2] - std::int64_t{1}}};
     for (int axis = 0; axis < 3; ++axis) {
       std::int64_t &lo = samples->lo[axis], &hi = samples->hi[axis];
-      if (!voxels || hi < 1 || (voxels->lo[axis] + block >= 0 && voxels->hi[axis] - 1 <= hi)) continue;
+      if (!voxels || hi < 1 || (tree.active().lo[axis] >= 0 && tree.active().hi[axis] <= hi)) continue;
       lo = std::min(lo, voxels->lo[axis]);
       hi = std::max(hi, voxels->hi[axis]);
     }
