@@ -66,11 +66,12 @@ TEST(PlyHeader, IsAsciiAndNamesTheCrsAsQgisReadsIt) {
     const std::string wkt = wkt_of(epsg);
     const Written ply("p.ply",
                       {.name = "d\xc3\xa9nivel\xe9", .crs = wkt, .generator = {{"note", "\xc2\xb0"}}});
-    EXPECT_THAT(ply.header(), HasSubstr(fmt::format("\ncomment crs: EPSG:{}\n", epsg)));
-    EXPECT_THAT(ply.header(), HasSubstr("\ncomment name d?nivel?\n"));
-    EXPECT_TRUE(std::all_of(ply.header().begin(), ply.header().end(), [](char c) {
+    const std::string header = ply.header();
+    EXPECT_THAT(header, HasSubstr(fmt::format("\ncomment crs: EPSG:{}\n", epsg)));
+    EXPECT_THAT(header, HasSubstr("\ncomment name d?nivel?\n"));
+    EXPECT_TRUE(std::all_of(header.begin(), header.end(), [](char c) {
       return c == '\n' || (c >= ' ' && c < 127);
-    })) << ply.header();
+    })) << header;
   }
   // A CRS of no code, whose name is not ASCII, and text that is no CRS.
   std::string own = wkt_of(32631);

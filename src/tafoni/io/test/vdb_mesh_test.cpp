@@ -71,8 +71,8 @@ VdbMeshed meshed(const FloatGrid& grid) {
   std::map<std::pair<openvdb::Index32, openvdb::Index32>, int> edges;
   const auto add = [&](const auto& polygon, int n) {
     for (int i = 0; i < n; ++i) {
-      const auto [a, b] = std::minmax(polygon[i], polygon[(i + 1) % n]);
-      ++edges[{a, b}];
+      const openvdb::Index32 a = polygon[i], b = polygon[(i + 1) % n];
+      ++edges[{std::min(a, b), std::max(a, b)}];
     }
     for (int i = 2; i < n; ++i)
       out.volume +=
