@@ -23,11 +23,13 @@
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/surface/distances.h"
 #include "tafoni/surface/grid_mesher.h"
+#include "tafoni/volume/test/grid_of.h"
 
 namespace tafoni::io {
 namespace {
 
 using openvdb::FloatGrid;
+using volume::grid_of;
 using volume::GridFrame;
 using volume::Precision;
 using volume::ScalarGrid;
@@ -45,16 +47,6 @@ class VdbMesh : public VolumeFiles {
     return out;
   }
 };
-
-ScalarGrid sampled(const GridFrame& frame, const std::function<double(Vec3d)>& f) {
-  ScalarGrid out(frame, -1);
-  out.edit(out.samples(), [&](Vec3i first, std::span<float> row) {
-    for (std::size_t i = 0; i < row.size(); ++i)
-      row[i] = static_cast<float>(f(frame.position(first + Vec3i{static_cast<int>(i), 0, 0})));
-  });
-  out.compact();
-  return out;
-}
 
 struct VdbMeshed {
   std::size_t quads = 0, open_edges = 0;
@@ -112,7 +104,7 @@ TEST_F(VdbMesh, IsClosedWhateverTheFieldIs) {
       {"beside a chunk's side", [](Vec3d p) { return p.x < -8.5 && p.x > -20 ? 3.0 : -3.0; }},
   };
   for (const auto& [name, f] : fields) {
-    const FloatGrid::Ptr grid = there(sampled(middle, f));
+    const FloatGrid::Ptr grid = there(grid_of(middle, f));
     const VdbMeshed mesh = meshed(*grid);
     EXPECT_GT(mesh.quads, 100u) << name;
     EXPECT_EQ(mesh.open_edges, 0u) << name;
@@ -122,7 +114,7 @@ TEST_F(VdbMesh, IsClosedWhateverTheFieldIs) {
 
 TEST_F(VdbMesh, OnlyWhatVariesIsActive) {
   // Values that level off at 7.5 m, and a cave where they are beyond that.
-  const FloatGrid::Ptr grid = there(sampled({{0, 0, 0}, 1, {160, 160, 160}}, [](Vec3d p) {
+  const FloatGrid::Ptr grid = there(grid_of({{0, 0, 0}, 1, {160, 160, 160}}, [](Vec3d p) {
     const double ground = std::clamp(80.3 - p.z, -7.5, 7.5), r = length(p - Vec3d{80, 80, 70});
     return r < 6 ? std::min(ground, 2 * (r - 5) - 10) : ground;
   }));
@@ -132,7 +124,7 @@ TEST_F(VdbMesh, OnlyWhatVariesIsActive) {
 
 TEST_F(VdbMesh, DistancesHaveOurVolume) {
   for (const double steepness : {0.2, 1.0, 30.0}) {
-    const ScalarGrid field = sampled(middle, [&](Vec3d p) { return steepness * box_and_ball(p); });
+    const ScalarGrid field = grid_of(middle, [&](Vec3d p) { return steepness * box_and_ball(p); });
     const double truth = own_volume(field);
     for (const Precision precision : {Precision::single, Precision::half}) {
       const FloatGrid::Ptr grid = there(surface::distances(field, 3.01, precision));
@@ -150,7 +142,7 @@ TEST_F(VdbMesh, DistancesHaveOurVolume) {
 }
 
 TEST_F(VdbMesh, DistancesOfASmoothSurfacePassEveryCheck) {
-  const ScalarGrid field = sampled(middle, [](Vec3d p) { return 5 * (15.3 - length(p)); });
+  const ScalarGrid field = grid_of(middle, [](Vec3d p) { return 5 * (15.3 - length(p)); });
   const FloatGrid::Ptr grid = there(surface::distances(field, 4, Precision::single));
   EXPECT_EQ(openvdb::tools::checkLevelSet(*grid, 9), "");
   EXPECT_NEAR(openvdb::tools::levelSetVolume(*grid) / own_volume(field), 1, 0.004);

@@ -14,25 +14,17 @@
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/errors.h"
 #include "tafoni/surface/grid_mesher.h"
+#include "tafoni/volume/test/grid_of.h"
 
 namespace tafoni::surface {
 namespace {
 
 using testing::HasSubstr;
+using volume::grid_of;
 using volume::GridFrame;
 using volume::Precision;
 using volume::SampleBox;
 using volume::ScalarGrid;
-
-ScalarGrid grid_of(const GridFrame& frame, const std::function<double(Vec3d)>& f) {
-  ScalarGrid out(frame, -1);
-  out.edit(out.samples(), [&](Vec3i first, std::span<float> row) {
-    for (std::size_t i = 0; i < row.size(); ++i)
-      row[i] = static_cast<float>(f(frame.position(first + Vec3i{static_cast<int>(i), 0, 0})));
-  });
-  out.compact();
-  return out;
-}
 
 /// The nearest point of a triangle by a search that knows nothing of regions: barycentric, ever finer.
 double slow_distance(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
