@@ -24,7 +24,7 @@ class Errors(Case):
         self.fails(2, "did you mean", "list", "landforms", "karsts")
         self.fails(2, "did you mean", "generate", "cost", "-o", "a.tif")
         self.fails(2, "unknown parameter", "generate", "coast", "-o", "a.tif", "--set", "widht=3")
-        self.fails(2, "must be 6 numbers, each -1e+09 to 1e+09, written as in 1,2,3,4,5,6, not", "render", "hill.asc", "--camera", "-1,2,3", "-o", "a.png")
+        self.fails(2, "must be 6 numbers, each -1000000000 to 1000000000, written as in 1,2,3,4,5,6, not", "render", "hill.asc", "--camera", "-1,2,3", "-o", "a.png")
         self.assertEqual(self.files(), ["hill.asc"])
 
     def test_scenes_that_ask_for_too_much(self):
