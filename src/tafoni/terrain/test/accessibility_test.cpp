@@ -95,11 +95,12 @@ TEST(Accessibility, PlanesAndHilltopsAreOpen) {
 
 TEST(Accessibility, BottomOfAParaboloidHasItsRadiusOfCurvature) {
   for (double curvature : {4.0, 10.0, 18.0}) {
-    const auto bowl = surface(401, 401, 0.2, 0.2, [&](double x, double y) {
-      return ((x - 40.1) * (x - 40.1) + (y - 40.1) * (y - 40.1)) / (2 * curvature);
+    // As wide as the largest sphere that touches the bottom.
+    const auto bowl = surface(201, 201, 0.2, 0.2, [&](double x, double y) {
+      return ((x - 20.1) * (x - 20.1) + (y - 20.1) * (y - 20.1)) / (2 * curvature);
     });
     const auto open = accessibility(bowl, {.max_radius = 25});
-    EXPECT_NEAR(25 * open.at(200, 200), curvature, 0.02 * curvature);
+    EXPECT_NEAR(25 * open.at(100, 100), curvature, 0.02 * curvature);
   }
 }
 
