@@ -28,7 +28,7 @@ struct MeshForm {
   bool float_colors = false;  ///< linear colours as floats; some programs misread bytes
 };
 
-/// Writes beside `path` and renames, so that no partial file is ever seen. Throws Error{output}; Error{usage}
+/// Writes through an AtomicFile, so that no partial file is ever seen. Throws Error{output}; Error{usage}
 /// for a form that the format lacks.
 void write_mesh(const std::filesystem::path& path, const mesh::Mesh& mesh, const MeshMetadata& metadata = {},
                 Progress& progress = silent(), const MeshForm& form = {});
