@@ -54,6 +54,8 @@ std::vector<float> row_of(std::string_view row, std::string_view where) {
     const auto [end, wrong] = std::from_chars(word.data(), word.data() + word.size(), v);
     if (wrong != std::errc() || end != word.data() + word.size() || !std::isfinite(v))
       fail(ErrorKind::usage, "{}: \"{}\" is neither a number nor made of # + o - .", where, word);
+    if (v < -1 || v > 1)
+      fail(ErrorKind::usage, "{}: {} is not between -1, which is open, and 1, which is rock", where, word);
     out.push_back(v);
   }
   return out;
