@@ -1,18 +1,9 @@
 // Any text is either a table or one error of kind input; a table is never larger than its text.
 
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <cstdlib>
-#include <string>
-#include <string_view>
-#include <vector>
+#include "fuzz.h"
 
-#include "tafoni/core/error.h"
 #include "tafoni/io/csv.h"
 
-/// For mutate_main.cpp and as a first corpus.
-std::vector<std::string> fuzz_seeds();
 std::vector<std::string> fuzz_seeds() {
   return {"# spheres\nkind,x,y,z,radius,energy\npoint,500000.5,5500000.25,12,5,-7.5\nsphere,1,2,3,0.5,1e1\n",
           "x,y,z\n1,2,3\n4.5,-6,7e3\n",
@@ -25,28 +16,21 @@ std::vector<std::string> fuzz_seeds() {
           "1|2|3|a\r4|5|6|b\r"};
 }
 
-namespace {
-
-template <class F>
-void check(F&& parse) {
-  try {
-    parse();
-  } catch (const tafoni::Error& error) {
-    if (error.kind() != tafoni::ErrorKind::input) std::abort();
-  }
-}
-
-}  // namespace
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
-  check([&] {
-    for (const auto& p : tafoni::io::parse_primitives_csv(text, "fuzz.csv"))
-      if (p.shape.empty() || !(p.shape[0] > 0) || !std::isfinite(p.position.x) || !std::isfinite(p.energy))
-        std::abort();
+  using namespace tafoni;
+  const std::string_view text = as_text(data, size);
+  accepts([&] {
+    for (const auto& p : io::parse_primitives_csv(text, "fuzz.csv"))
+      require(!p.shape.empty() && p.shape[0] > 0 && std::isfinite(p.position.x) && std::isfinite(p.energy));
   });
-  check([&] {
-    if (tafoni::io::parse_points_csv(text, "fuzz.csv").size() > size) std::abort();
+  accepts([&] { require(io::parse_points_csv(text, "fuzz.csv").size() <= size); });
+  accepts([&] {
+    constexpr std::string_view columns[] = {"x", "y", "z", "radius"};
+    std::vector<std::uint32_t> lines;
+    const auto rows = io::parse_numbers_csv(text, "fuzz.csv", columns, &lines);
+    require(rows.size() <= size && lines.size() == rows.size());
+    for (const auto& row : rows)
+      for (const double v : row) require(row.size() == std::size(columns) && std::isfinite(v));
   });
   return 0;
 }

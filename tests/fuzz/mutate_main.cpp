@@ -1,19 +1,16 @@
-// Runs a fuzz target without libFuzzer: mutates its seeds a given number of times, the same way each run.
+// Runs a fuzz target without libFuzzer: mutates its seeds a given number of times, the same way each run. An
+// input that ends the program is left in the file fuzz_input; sanitizers need abort_on_error=1 for that.
 // usage: TARGET [COUNT [SEED]]
 
 #include <algorithm>
-#include <cstdint>
+#include <csignal>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <iterator>
-#include <string>
-#include <vector>
+
+#include "fuzz.h"
+#include <fcntl.h>
 
 #include "tafoni/core/random.h"
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
-std::vector<std::string> fuzz_seeds();
 
 namespace {
 
@@ -128,26 +125,38 @@ std::string mutated(std::string text, tafoni::Random& random, const std::vector<
   return text;
 }
 
+std::string input;
+
+extern "C" void leave_input(int) {
+  const int file = ::open("fuzz_input", O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  const auto written = ::write(file, input.data(), input.size());
+  ::close(file);
+  ::_exit(written < 0 ? 2 : 1);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::uint64_t count = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 100000;
   tafoni::Random random(argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1);
   const std::vector<std::string> seeds = fuzz_seeds();
+  std::signal(SIGABRT, leave_input);
   std::vector<std::string> pool = seeds;
   std::size_t longest = 2000;
   for (const std::string& seed : seeds) longest = std::max(longest, 2 * seed.size());
   for (std::uint64_t i = 0; i < count; ++i) {
-    // Half of them begin at a seed: of a binary file little is understood once its head is broken.
-    std::string text = mutated(
-        random.below(2) ? pool[random.below(pool.size())] : seeds[random.below(seeds.size())], random, seeds);
-    LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+    // The seeds come first. Of the others half begin at a seed: of a binary file little is understood once
+    // its head is broken.
+    input = i < seeds.size()  ? seeds[i]
+            : random.below(2) ? mutated(pool[random.below(pool.size())], random, seeds)
+                              : mutated(seeds[random.below(seeds.size())], random, seeds);
+    LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
     // A pool that drifts away from the seeds reaches deeper than single mutations of them.
-    if (text.size() < longest && random.below(4) == 0) {
+    if (input.size() < longest && random.below(4) == 0) {
       if (pool.size() < 500)
-        pool.push_back(std::move(text));
+        pool.push_back(std::move(input));
       else
-        pool[seeds.size() + random.below(pool.size() - seeds.size())] = std::move(text);
+        pool[seeds.size() + random.below(pool.size() - seeds.size())] = std::move(input);
     }
   }
   std::printf("%llu inputs, nothing found\n", static_cast<unsigned long long>(count));

@@ -1,17 +1,9 @@
 // Any text is either a scene that survives saving, or one error of kind input.
 
-#include <cstddef>
-#include <cstdint>
-#include <cstdlib>
-#include <string>
-#include <string_view>
-#include <vector>
+#include "fuzz.h"
 
-#include "tafoni/core/error.h"
 #include "tafoni/scene/document/document.h"
 
-/// For mutate_main.cpp and as a first corpus.
-std::vector<std::string> fuzz_seeds();
 std::vector<std::string> fuzz_seeds() {
   return {
       "[scene]\nseed = 7\nvoxel = 0.5 # m\n[terrain]\nsource = \"a.tif\"\nwindow = [1, 2,\n 3, 4]\n"
@@ -35,19 +27,13 @@ static void grow(std::vector<tafoni::scene::GeologySettings>& list) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tafoni;
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
   scene::Document document;
-  try {
-    document = scene::parse_scene(text, "fuzz.toml");
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::input) std::abort();
-    return 0;
-  }
+  if (!accepts([&] { document = scene::parse_scene(as_text(data, size), "fuzz.toml"); })) return 0;
   // A changed document must still read back as itself, however odd the text is laid out.
   document.scene.voxel = document.scene.voxel == 2 ? 3 : 2;
   if (!document.layers.empty()) document.layers.erase(document.layers.begin());
   grow(document.geology);
   document.geology.push_back({"turbulence", {}, 0});
-  if (!scene::same(scene::parse_scene(scene::to_text(document), "fuzz.toml"), document)) std::abort();
+  require(scene::same(scene::parse_scene(scene::to_text(document), "fuzz.toml"), document));
   return 0;
 }

@@ -1,5 +1,3 @@
-#include <cstring>
-
 #include "mesh_check.h"
 
 std::vector<std::string> fuzz_seeds() {

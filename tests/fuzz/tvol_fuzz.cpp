@@ -1,7 +1,5 @@
 // Any bytes as a .tvol. The header's checksum is mended, so that what stands behind it is reached.
 
-#include <cstring>
-
 #include "volume_check.h"
 
 std::vector<std::string> fuzz_seeds() {

@@ -2,36 +2,24 @@
 // What every reader of volumes promises of any bytes: finite samples in a memory that the file's size bounds,
 // or one error of kind input.
 
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
+#include <algorithm>
 #include <iterator>
-#include <span>
-#include <string>
-#include <vector>
 
-#include <unistd.h>
+#include "fuzz.h"
 
-#include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/io/volume_file.h"
-
-/// For mutate_main.cpp and as a first corpus.
-std::vector<std::string> fuzz_seeds();
 
 inline void check_volume(std::span<const std::byte> bytes, const std::string& name) {
   using namespace tafoni;
   // A copy of the exact size lets AddressSanitizer see any step beyond it.
   const std::vector<std::byte> copy(bytes.begin(), bytes.end());
-  try {
+  accepts([&] {
     const io::Volume volume = io::read_volume(copy, name);
     const Interval range = volume.grid.range(volume.grid.frame().box());
-    if (!std::isfinite(range.lo) || !std::isfinite(range.hi) || !std::isfinite(volume.origin.x)) std::abort();
-    if (volume.grid.bytes() > (std::uint64_t{400} << 20) + 2000 * copy.size()) std::abort();
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::input) std::abort();
-  }
+    require(std::isfinite(range.lo) && std::isfinite(range.hi) && std::isfinite(volume.origin.x));
+    require(volume.grid.bytes() <= (std::uint64_t{400} << 20) + 2000 * copy.size());
+  });
 }
 
 /// A slope with a step as a file; nothing where this build does not write the format.
@@ -47,15 +35,9 @@ inline std::string written_volume(const std::string& extension, tafoni::volume::
     }
   });
   volume.grid.compact();
-  const std::filesystem::path path = std::filesystem::temp_directory_path() /
-                                     ("volume_fuzz." + std::to_string(::getpid()) + "." + extension);
-  try {
-    io::write_volume(path, volume);
-  } catch (const Error&) {
-    return {};
-  }
+  const FuzzFolder folder;
+  const std::filesystem::path path = folder / ("a." + extension);
+  if (!accepts([&] { io::write_volume(path, volume); }, {ErrorKind::usage, ErrorKind::output})) return {};
   std::ifstream in(path, std::ios::binary);
-  std::string out{std::istreambuf_iterator<char>(in), {}};
-  std::filesystem::remove(path);
-  return out;
+  return {std::istreambuf_iterator<char>(in), {}};
 }

@@ -129,6 +129,9 @@ ChamberLattice parse_lattice(std::string_view text, std::string_view where) {
   if (layers.size() < 2 || rows < 2 || columns < 2 || out.values.size() > most_values)
     fail(ErrorKind::usage,
          "{}: a lattice takes at least 2 x 2 x 2 values and at most a million; layers end with ;", where);
+  for (const float v : out.values)
+    if (v < -1 || v > 1)
+      fail(ErrorKind::usage, "{}: {} is not between -1, which is open, and 1, which is rock", where, v);
   const auto cells = [](std::size_t values) { return static_cast<int>(values) - 1; };
   out.cells = {cells(columns), cells(rows), cells(layers.size())};
   return out;

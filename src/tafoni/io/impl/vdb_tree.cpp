@@ -71,20 +71,20 @@ std::uint32_t VdbTree::read_node(VdbBytes& in, Vec3i origin) {
   constexpr int bits = Level ? upper_bits : lower_bits, child_total = Level ? lower_total : leaf_bits;
   constexpr std::size_t entries = std::size_t{1} << (3 * bits);
   const VdbMask child = in.take(entries / 8), on = in.take(entries / 8);
-  std::vector<float> values(entries);
-  read_values(in, coding_, on, values);
-  Node node{child, std::vector<std::uint32_t>(entries)};
-  for (std::size_t i = 0; i < entries; ++i) {
-    const Vec3i place = entry_place(i, bits), at = origin + place * (1 << child_total);
-    if (!is_on(child, i)) {
-      node.entries[i] = std::bit_cast<std::uint32_t>(values[i]);
-      if (is_on(on, i)) add_active(at, std::int64_t{1} << child_total, values[i]);
-    } else if constexpr (Level == 1) {
-      node.entries[i] = read_node<0>(in, at);
-    } else {
-      node.entries[i] = read_leaf_mask(in, at);
-    }
-  }
+  Node node{child, std::vector<float>(entries)};
+  read_values(in, coding_, on, node.entries);
+  const auto place = [&](std::size_t i) { return origin + entry_place(i, bits) * (1 << child_total); };
+  each_on(on, [&](std::size_t i) {
+    if (!is_on(child, i)) add_active(place(i), std::int64_t{1} << child_total, node.entries[i]);
+  });
+  each_on(child, [&](std::size_t i) {
+    std::uint32_t number;
+    if constexpr (Level == 1)
+      number = read_node<0>(in, place(i));
+    else
+      number = read_leaf_mask(in, place(i));
+    node.entries[i] = std::bit_cast<float>(number);
+  });
   std::vector<Node>& nodes = Level ? upper_ : lower_;
   nodes.push_back(std::move(node));
   return static_cast<std::uint32_t>(nodes.size() - 1);
@@ -112,8 +112,7 @@ void VdbTree::add_active_voxels(const Leaf& leaf) {
   for (int axis = 0; axis < 3; ++axis)
     within = within && active_.lo[axis] <= at[axis] && at[axis] + leaf_side - 1 <= active_.hi[axis];
   if (within) return;
-  for (std::size_t i = 0; i < leaf_voxels; ++i)
-    if (is_on(leaf.on, i)) add_active(leaf.origin + entry_place(i, leaf_bits), 1, 0);
+  each_on(leaf.on, [&](std::size_t i) { add_active(leaf.origin + entry_place(i, leaf_bits), 1, 0); });
 }
 
 std::optional<std::size_t> VdbTree::leaf_at(Vec3i voxel, Tile* tile) const {
@@ -129,13 +128,13 @@ std::optional<std::size_t> VdbTree::leaf_at(Vec3i voxel, Tile* tile) const {
   const Node& upper = upper_[root->second.entry];
   const std::size_t i = entry_of(voxel, upper_total, upper_bits);
   if (!is_on(upper.child, i)) {
-    *tile = {std::bit_cast<float>(upper.entries[i]), lower_total};
+    *tile = {upper.entries[i], lower_total};
     return {};
   }
-  const Node& lower = lower_[upper.entries[i]];
+  const Node& lower = lower_[upper.child_at(i)];
   const std::size_t k = entry_of(voxel, lower_total, lower_bits);
-  if (is_on(lower.child, k)) return lower.entries[k];
-  *tile = {std::bit_cast<float>(lower.entries[k]), leaf_bits};
+  if (is_on(lower.child, k)) return lower.child_at(k);
+  *tile = {lower.entries[k], leaf_bits};
   return {};
 }
 

@@ -4,6 +4,7 @@
 // of 8^3 voxels; what is no child is a tile of one value. Memory is at most some 20 times the file.
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -51,10 +52,11 @@ class VdbTree {
     VdbMask on;
     std::size_t values_at = 0;
   };
-  /// 16^3 or 32^3 entries: a child's number, or a tile's value as its bits.
+  /// 16^3 or 32^3 entries: a tile's value, or a child's number as the bits of a float.
   struct Node {
     VdbMask child;
-    std::vector<std::uint32_t> entries;
+    std::vector<float> entries;
+    std::uint32_t child_at(std::size_t i) const { return std::bit_cast<std::uint32_t>(entries[i]); }
   };
   struct RootEntry {
     bool tile;

@@ -190,7 +190,8 @@ void VdbBytes::damaged(std::string_view what) const {
 
 int count_on(VdbMask mask) {
   int out = 0;
-  for (const std::byte b : mask) out += std::popcount(std::to_integer<unsigned>(b));
+  for (std::size_t at = 0; at < mask.size(); at += sizeof(std::uint64_t))
+    out += std::popcount(load<std::uint64_t>(mask, at));
   return out;
 }
 
@@ -212,8 +213,10 @@ void read_values(VdbBytes& in, const VdbCoding& coding, VdbMask on, std::span<fl
     std::copy(kept.begin(), kept.end(), out.begin());
     return;
   }
-  for (std::size_t i = 0, next = 0; i < out.size(); ++i)
-    out[i] = is_on(on, i) ? kept[next++] : head.values[!head.choice.empty() && is_on(head.choice, i)];
+  std::fill(out.begin(), out.end(), head.values[0]);
+  each_on(head.choice, [&](std::size_t i) { out[i] = head.values[1]; });
+  auto next = kept.begin();
+  each_on(on, [&](std::size_t i) { out[i] = *next++; });
 }
 
 }  // namespace tafoni::io::impl

@@ -37,13 +37,20 @@ class VdbBytes {
   std::size_t at_ = 0;
 };
 
-/// One bit an entry of a node.
+/// One bit an entry of a node; a multiple of 8 bytes.
 using VdbMask = std::span<const std::byte>;
 
 inline bool is_on(VdbMask mask, std::size_t i) {
   return (std::to_integer<unsigned>(mask[i / 8]) >> (i % 8) & 1) != 0;
 }
 int count_on(VdbMask mask);
+/// Calls f(i) for each entry that is on, in their order. Most masks are zeros nearly all over.
+template <class F>
+void each_on(VdbMask mask, const F& f) {
+  for (std::size_t at = 0; at < mask.size(); at += sizeof(std::uint64_t))
+    for (auto left = load<std::uint64_t>(mask, at); left != 0; left &= left - 1)
+      f(8 * at + std::countr_zero(left));
+}
 
 /// How the values of a grid's nodes are kept.
 struct VdbCoding {

@@ -235,8 +235,11 @@ Stroke parse_stroke(std::string_view line, std::string_view where) {
       const auto more = parse_points(text, where);
       stroke.points.insert(stroke.points.end(), more.begin(), more.end());
     } else {
-      assign_one(stroke, brush, name, where,
-                 [&, &value = text](const ParamInfo& info) { return parse_value(info, value, where); });
+      // Text keeps the blanks that stand in its quotes, which JSON can say too.
+      assign_one(stroke, brush, name, where, [&, &value = text](const ParamInfo& info) {
+        return info.kind == ValueKind::text ? check_value(info, value, where)
+                                            : parse_value(info, value, where);
+      });
     }
   }
   check(stroke, brush, where);

@@ -133,6 +133,7 @@ TEST(Chamber, ReadsLatticesInWordsAndNumbers) {
   EXPECT_EQ(error("##/#;##/##"), "here: the row \"#\" has 1 values where the first has 2");
   EXPECT_EQ(error("##/##;##"), "here: a layer has 1 rows where the first has 2");
   EXPECT_EQ(error("#x/##;##/##"), "here: \"#x\" is neither a number nor made of # + o - .");
+  EXPECT_EQ(error("##/##;1 3e38/##"), "here: 3e+38 is not between -1, which is open, and 1, which is rock");
 }
 
 TEST(Chamber, UnknownPresetsGetTheNearest) {

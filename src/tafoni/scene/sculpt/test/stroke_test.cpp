@@ -44,7 +44,7 @@ Stroke any_stroke(Random& random) {
     Value value = info.init;
     if (info.kind == ValueKind::real) value = random.uniform(info.min, info.max);
     if (info.kind == ValueKind::boolean) value = random.below(2) == 0;
-    if (info.kind == ValueKind::text && info.name == "mask") value = "a name with blanks";
+    if (info.kind == ValueKind::text && info.name == "mask") value = " a name = with blanks\t";
     if (value != info.init) s.values[info.name] = value;
   }
   return s;
