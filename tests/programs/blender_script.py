@@ -18,6 +18,17 @@ def bring_in(path):
         bpy.ops.wm.obj_import(filepath=path, forward_axis="Y", up_axis="Z")
     elif path.endswith(".obj"):
         bpy.ops.wm.obj_import(filepath=path)
+    elif path.endswith(".vdb"):
+        bpy.ops.object.volume_import(filepath=path)
+        volume = next(o for o in bpy.data.objects if o.type == "VOLUME")
+        made = bpy.data.objects.new("made", bpy.data.meshes.new("made"))
+        bpy.context.scene.collection.objects.link(made)
+        modifier = made.modifiers.new("made", "VOLUME_TO_MESH")
+        modifier.object, modifier.grid_name, modifier.threshold = volume, "surface", 0
+        modifier.resolution_mode = "GRID"
+        graph = bpy.context.evaluated_depsgraph_get()
+        made.data = bpy.data.meshes.new_from_object(made.evaluated_get(graph))
+        made.modifiers.clear()
     elif path.endswith(".stl"):
         bpy.ops.import_mesh.stl(filepath=path)
     else:
