@@ -5,7 +5,14 @@ extends SceneTree
 func _init():
 	for word in OS.get_cmdline_args():
 		if word.ends_with(".glb"):
-			look(word)
+			var packed = load("res://" + word)
+			var found = find_mesh(packed.instance()) if packed else null
+			if found:
+				look(word, found.mesh)
+		elif word.ends_with(".obj"):
+			var mesh = load("res://" + word)
+			if mesh:
+				look(word, mesh)
 	quit()
 
 func find_mesh(node):
@@ -17,29 +24,37 @@ func find_mesh(node):
 			return found
 	return null
 
-func look(word):
-	var packed = load("res://" + word)
-	if packed == null:
-		return
-	var found = find_mesh(packed.instance())
-	if found == null:
-		return
-	var arrays = found.mesh.surface_get_arrays(0)
-	var material = found.mesh.surface_get_material(0)
-	var colors = arrays[Mesh.ARRAY_COLOR]
-	var differ = false
-	if colors != null:
-		for i in range(colors.size()):
-			# Bytes that are misread are all 0 or 1.
-			if colors[i].r > 0.02 and colors[i].r < 0.98:
-				differ = true
-				break
-	var box = found.mesh.get_aabb()
-	print("ANSWER " + to_json({
+func numbers(p):
+	return [p.x, p.y, p.z]
+
+func look(word, mesh):
+	var arrays = mesh.surface_get_arrays(0)
+	var places = arrays[Mesh.ARRAY_VERTEX]
+	var corners = arrays[Mesh.ARRAY_INDEX]
+	var box = AABB(places[0], Vector3())
+	for p in places:
+		box = box.expand(p)
+	# Godot takes triangles clockwise from outside.
+	var volume = 0.0
+	for i in range(0, corners.size(), 3):
+		volume += places[corners[i]].dot(places[corners[i + 2]].cross(places[corners[i + 1]])) / 6.0
+	var answer = {
 		"file": word,
-		"triangles": arrays[Mesh.ARRAY_INDEX].size() / 3,
-		"top": box.position.y + box.size.y,
-		"material": material.resource_name,
-		"shown": material.vertex_color_use_as_albedo,
-		"colors_differ": differ,
-	}))
+		"triangles": corners.size() / 3,
+		"low": numbers(box.position),
+		"high": numbers(box.position + box.size),
+		"volume": volume,
+	}
+	var colors = arrays[Mesh.ARRAY_COLOR]
+	if colors != null and colors.size() > 0:
+		var sum = [0.0, 0.0, 0.0]
+		for c in colors:
+			sum[0] += c.r
+			sum[1] += c.g
+			sum[2] += c.b
+		answer["color"] = [sum[0] / colors.size(), sum[1] / colors.size(), sum[2] / colors.size()]
+	var material = mesh.surface_get_material(0)
+	if material:
+		answer["materials"] = [material.resource_name]
+		answer["shown"] = material.vertex_color_use_as_albedo
+	print("ANSWER " + to_json(answer))

@@ -26,8 +26,8 @@ struct Entrances {
 };
 
 /// Sinks are closed depressions, the largest first, then the softest gentle ground; faces are steep ground
-/// before enough rock, the softest first. None that is chosen lies near another, nor below `lowest` (local metres), where no
-/// room is left to descend into. Throws Error{usage} for springs that are not whole places.
+/// before enough rock, the softest first. None that is chosen lies near another, nor below `lowest` (local
+/// metres), where no room is left to descend into. Throws Error{usage} for springs that are not whole places.
 Entrances choose_entrances(const field::CompiledField& field, const Ground& ground, const CaveSize& size,
                            double lowest, const EntranceSettings& settings, Progress& progress);
 
