@@ -131,6 +131,8 @@ void CommonOptions::declare(Args& args) {
   args.flag("--progress", progress, "Shows progress even where standard error is no terminal");
   args.flag("--allow-network", network,
             "Lets inputs be URLs, and mosaics name such; without it nothing is fetched");
+  args.flag("--allow-outside", outside,
+            "Lets mosaics (.vrt) name files outside of their own folder; for those that you made or know");
   args.integer("--threads", "N", threads, 0, 4096, "Threads to use; default: 0, which takes all cores");
 }
 

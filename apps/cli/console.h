@@ -21,7 +21,7 @@ namespace tafoni::cli {
 
 /// Options that every subcommand has.
 struct CommonOptions {
-  bool json = false, quiet = false, progress = false, network = false;
+  bool json = false, quiet = false, progress = false, network = false, outside = false;
   std::optional<std::int64_t> threads;
 
   void declare(Args& args);

@@ -19,6 +19,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/io/network.h"
+#include "tafoni/io/outside.h"
 #include "tafoni/scene/build/build.h"
 
 namespace tafoni::cli {
@@ -78,6 +79,7 @@ int run(int argc, const char* const* argv) {
   }
   if (common.threads) set_thread_count(static_cast<int>(*common.threads));
   if (common.network) io::allow_network();
+  if (common.outside) io::allow_outside();
   const Interruptible guard(console);
   const int code = entries[parsed.command].run(console);
   console.flush();

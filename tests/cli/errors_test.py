@@ -82,6 +82,16 @@ class Errors(Case):
         self.fails(3, "give --allow-network", "info", url)
         self.fails(3, "cannot be read", "info", url, "--allow-network")
 
+    def test_mosaics_of_files_elsewhere_need_leave(self):
+        self.hill()
+        (self.dir / "mine").mkdir()
+        (self.dir / "mine" / "a.vrt").write_text(
+            '<VRTDataset rasterXSize="4" rasterYSize="4"><VRTRasterBand dataType="Float32" band="1"><SimpleSource>'
+            f'<SourceFilename>{self.dir / "hill.asc"}</SourceFilename><SourceBand>1</SourceBand></SimpleSource>'
+            '</VRTRasterBand></VRTDataset>')
+        self.fails(3, "give --allow-outside", "info", "mine/a.vrt")
+        self.assertIn("Virtual Raster", self.passes("info", "mine/a.vrt", "--allow-outside"))
+
     def test_outputs_are_checked_before_the_work(self):
         self.hill()
         self.fails(4, "no/such/folder", "build", "hill.asc", "-o", "no/such/folder/a.glb")

@@ -12,8 +12,45 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#ifdef __SANITIZE_THREAD__
+#include <sanitizer/tsan_interface.h>
+#endif
+
 namespace tafoni {
 namespace {
+
+#ifdef __SANITIZE_THREAD__
+/// ThreadSanitizer does not see into TBB's library, so it is told how work gets to the threads and back: what
+/// was done before a loop comes before each of its blocks, and each block before what follows the loop.
+/// Blocks are not put in an order with one another.
+class Handover {
+ public:
+  Handover() { __tsan_release(&begun_); }
+  ~Handover() { __tsan_acquire(&ended_); }
+  Handover(const Handover&) = delete;
+  Handover& operator=(const Handover&) = delete;
+
+  class Block {
+   public:
+    explicit Block(Handover& loop) : loop_(loop) { __tsan_acquire(&loop_.begun_); }
+    ~Block() { __tsan_release(&loop_.ended_); }
+    Block(const Block&) = delete;
+    Block& operator=(const Block&) = delete;
+
+   private:
+    Handover& loop_;
+  };
+
+ private:
+  char begun_ = 0, ended_ = 0;
+};
+#else
+struct Handover {
+  struct Block {
+    explicit Block(Handover&) {}
+  };
+};
+#endif
 
 std::mutex arena_mutex;
 int requested_threads = 0;
@@ -54,10 +91,12 @@ int thread_count() {
 }
 
 void parallel_for(std::int64_t n, const std::function<void(std::int64_t)>& body, Progress& progress) {
+  Handover loop;
   run([&] {
     tbb::parallel_for(
         tbb::blocked_range<std::int64_t>(0, std::max<std::int64_t>(n, 0), 1),
         [&](const tbb::blocked_range<std::int64_t>& range) {
+          const Handover::Block block(loop);
           for (std::int64_t i = range.begin(); i != range.end(); ++i) {
             progress.check();
             body(i);
@@ -73,10 +112,12 @@ void parallel_blocks(std::int64_t n, std::int64_t grain,
   if (n <= 0) return;
   grain = std::max<std::int64_t>(grain, 1);
   const std::int64_t blocks = (n + grain - 1) / grain;
+  Handover loop;
   run([&] {
     tbb::parallel_for(
         tbb::blocked_range<std::int64_t>(0, blocks, 1),
         [&](const tbb::blocked_range<std::int64_t>& range) {
+          const Handover::Block block(loop);
           for (std::int64_t b = range.begin(); b != range.end(); ++b)
             body(b * grain, std::min(n, (b + 1) * grain));
         },

@@ -16,6 +16,7 @@
 #include "tafoni/core/atomic_file.h"
 #include "tafoni/core/error.h"
 #include "tafoni/core/inner/file_lock.h"
+#include "tafoni/core/input_file.h"
 #include "tafoni/runtime/impl/bytes.h"
 
 namespace tafoni::runtime {
@@ -71,18 +72,6 @@ bool take(std::span<const std::byte> left, std::size_t written, Digest base, std
   if (tail.get<std::uint64_t>() != impl::checksum(bytes, check) || tail.get<std::byte>() != whole) damaged();
   message.assign(bytes.begin(), bytes.end());
   return true;
-}
-
-std::vector<std::byte> read_whole(const std::filesystem::path& file) {
-  std::error_code code;
-  const auto size = std::filesystem::file_size(file, code);  // of plain files alone: others may never end
-  std::ifstream in;
-  if (!code) in.open(file, std::ios::binary);
-  if (code || !in) fail(ErrorKind::input, "{}: cannot be read; check the path", file.string());
-  std::vector<std::byte> bytes(size);
-  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  bytes.resize(in.gcount());
-  return bytes;
 }
 
 JournalContents survey(std::span<const std::byte> bytes, std::string_view name) {
@@ -144,11 +133,13 @@ JournalContents parse_journal(std::span<const std::byte> bytes, std::string_view
 }
 
 JournalContents read_journal(const std::filesystem::path& file) {
-  return parse_journal(read_whole(file), file.string());
+  const std::string bytes = InputFile(file).whole();
+  return parse_journal(std::as_bytes(std::span(bytes)), file.string());
 }
 
 JournalContents survey_journal(const std::filesystem::path& file) {
-  return survey(read_whole(file), file.string());
+  const std::string bytes = InputFile(file).whole();
+  return survey(std::as_bytes(std::span(bytes)), file.string());
 }
 
 bool is_journal(const std::filesystem::path& file) {

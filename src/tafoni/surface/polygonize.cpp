@@ -88,7 +88,8 @@ class PolygonizeJob {
   std::vector<std::unique_ptr<impl::Arena>> arenas_;
 };
 
-/// Narrows the chunks to those that can hold surface.
+/// Narrows the columns of chunks to those that can hold surface. Not up and down: the bounds do not know at
+/// which elevations a function has surface, and columns are walked where they can have some.
 void PolygonizeJob::skip_empty(const Box3d& bounds) {
   const double side = settings_.voxel * field::chunk_cells;
   const auto low = [&](int first, double lo) {
@@ -97,8 +98,8 @@ void PolygonizeJob::skip_empty(const Box3d& bounds) {
   const auto high = [&](int last, double hi) {
     return static_cast<int>(std::max(std::min<double>(std::floor(hi / side) + 1, last), -0x1p30));
   };
-  first_ = {low(first_.x, bounds.lo.x), low(first_.y, bounds.lo.y), low(first_.z, bounds.lo.z)};
-  last_ = {high(last_.x, bounds.hi.x), high(last_.y, bounds.hi.y), high(last_.z, bounds.hi.z)};
+  first_ = {low(first_.x, bounds.lo.x), low(first_.y, bounds.lo.y), first_.z};
+  last_ = {high(last_.x, bounds.hi.x), high(last_.y, bounds.hi.y), last_.z};
 }
 
 std::unique_ptr<PolygonizeWorker> PolygonizeJob::take(bool normals, bool parts) {

@@ -86,13 +86,24 @@ std::string gdal_url(const std::string& name) {
 void check_regular(const fs::path& path, const char* what) {
   if (InputFile(path).size() == 0)
     fail(ErrorKind::input, "{} is empty (0 bytes); it is not {}.", path.string(), what);
+  check_hdf5(path);
   for (const fs::path& side : present_side_files(path)) {
     std::error_code code;
     if (!fs::is_regular_file(side, code) || looks_like_vrt(side.string()))
       fail(ErrorKind::input,
            "{} would be read along with {}, and is no such file as its name says; put it elsewhere.",
            side.string(), path.string());
+    check_hdf5(side);
   }
+}
+
+/// What is packed cannot be looked into as check_hdf5() does.
+void check_packed(const std::string& name) {
+  const bool part = starts_with_any(name, part_prefixes);
+  if (part ? name.find(file_systems) != std::string::npos : holds_hdf5(name))
+    fail(ErrorKind::input,
+         "{} is a netCDF or BAG file within an archive or on the network; fetch or unpack it, and name that.",
+         name);
 }
 
 }  // namespace
@@ -148,20 +159,27 @@ std::string checked_name(const fs::path& path, const char* what) {
   if (on_network(name)) {
     if (!network_allowed())
       fail(ErrorKind::input, "{} is not on this machine; fetch it, or give --allow-network.", name);
-    return gdal_url(name);
+    const std::string url = gdal_url(name);
+    check_packed(url);
+    return url;
   }
   const auto file = file_in_name(name);
   if (!file) fail(ErrorKind::input, "{}: there is no such file; check the path.", name);
   check_regular(*file, what);
+  check_packed(name);
   return name;
 }
 
-void check_inside(const fs::path& file, const fs::path& owner) {
+bool inside(const fs::path& file, const fs::path& owner) {
   std::error_code code;
   const fs::path folder = fs::weakly_canonical(fs::absolute(owner, code), code).parent_path();
   const fs::path where = fs::weakly_canonical(fs::absolute(file, code), code);
   const auto [end, ignored] = std::mismatch(folder.begin(), folder.end(), where.begin(), where.end());
-  if (!code && end == folder.end()) return;
+  return !code && end == folder.end();
+}
+
+void check_inside(const fs::path& file, const fs::path& owner) {
+  if (inside(file, owner)) return;
   fail(
       ErrorKind::input,
       "{} names {}, which does not lie in its folder; copy that there, or move it to a folder above all that "

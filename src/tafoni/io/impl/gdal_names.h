@@ -17,14 +17,23 @@ bool on_network(const std::string& name);
 std::optional<std::filesystem::path> file_in_name(const std::string& name);
 
 /// The name that GDAL is to be given. Throws Error{input}: missing, a folder, a pipe or a device, empty; on
-/// the network, which is not allowed; a side file that is no regular file. `what` is "an elevation model".
+/// the network, which is not allowed; a side file that is no regular file; an HDF5 file that leads to others.
+/// `what` is "an elevation model".
 std::string checked_name(const std::filesystem::path& path, const char* what);
 
-/// Throws Error{input} where the file at `path` is a VRT that names anything beyond its own folder, directly
-/// or through others, or that holds more than a mosaic of files.
+/// Throws Error{input} where the file at `path` is a VRT that names anything beyond its own folder, unless
+/// that is allowed, directly or through others, or that holds more than a mosaic of files.
 void check_vrt(const std::filesystem::path& path);
 
-/// Throws Error{input} unless `file` lies in the folder of `owner` or below it.
+/// Throws Error{input} where the file at `path` is an HDF5 file, as netCDF and BAG may be, that takes data
+/// from other files, or one that is damaged.
+void check_hdf5(const std::filesystem::path& path);
+/// Whether what GDAL opens by a name is an HDF5 file.
+bool holds_hdf5(const std::string& name);
+
+/// Whether `file` lies in the folder of `owner` or below it.
+bool inside(const std::filesystem::path& file, const std::filesystem::path& owner);
+/// Throws Error{input} unless it does.
 void check_inside(const std::filesystem::path& file, const std::filesystem::path& owner);
 
 /// Whether what GDAL opens by a name begins as a VRT does, whatever the name says.

@@ -1,5 +1,6 @@
 // A VRT is a text that names other files, pieces of which GDAL puts together. Its driver can do far more:
-// read raw bytes of any file, run code, ask servers. Only a mosaic passes here, of files beside it.
+// read raw bytes of any file, run code, ask servers. Only a mosaic passes here, of files beside it unless
+// others are allowed.
 
 #include <algorithm>
 #include <set>
@@ -13,6 +14,7 @@
 #include "tafoni/io/impl/gdal.h"
 #include "tafoni/io/impl/gdal_names.h"
 #include "tafoni/io/network.h"
+#include "tafoni/io/outside.h"
 
 namespace tafoni::io::impl {
 namespace {
@@ -129,7 +131,7 @@ class VrtCheck {
     const std::string name = CPLGetXMLValue(&node, nullptr, "");
     const bool relative = std::string_view(CPLGetXMLValue(&node, "relativeToVRT", "0")) == "1";
     if (on_network(name)) {
-      if (network_allowed()) return;
+      if (network_allowed()) return void(checked_name(name, "a piece of a mosaic"));
       fail(ErrorKind::input, "{} names {}, which is not on this machine; fetch it, or give --allow-network.",
            owner_.string(), name);
     }
@@ -137,16 +139,24 @@ class VrtCheck {
     fs::path file = relative ? vrt.parent_path() / name : fs::path(name);
     if (!fs::exists(file, code)) {
       if (name.find_first_of(":<") == std::string::npos && !name.starts_with("/vsi"))
-        return check_inside(file, owner_);  // a tile that is not there, which may never be asked for
+        return check_place(file);  // a tile that is not there, which may never be asked for
       const auto inside = name.starts_with("/vsi") ? file_in_name(name) : std::nullopt;
       if (!inside)
         fail(ErrorKind::input, "{} names {}, which is no file; check it.", owner_.string(),
              name.substr(0, 200));
       file = *inside;
     }
-    check_inside(file, owner_);
-    checked_name(file, "a piece of a mosaic");
+    check_place(file);
+    checked_name(name.starts_with("/vsi") ? fs::path(name) : file, "a piece of a mosaic");
     if (looks_like_vrt(file.string())) check(file);
+  }
+
+  void check_place(const fs::path& file) const {
+    if (outside_allowed() || inside(file, owner_)) return;
+    fail(ErrorKind::input,
+         "{} names {}, which does not lie in its folder; if both are yours, give --allow-outside, else copy "
+         "that there.",
+         owner_.string(), file.string());
   }
 
   const fs::path& owner_;

@@ -2,10 +2,12 @@
 // counts is that they are refused before GDAL gets them.
 
 #include <gmock/gmock.h>
+#include <hdf5.h>
 #include <sys/stat.h>
 
 #include "tafoni/io/inner/data_files.h"
 #include "tafoni/io/network.h"
+#include "tafoni/io/outside.h"
 #include "tafoni/io/test/dem_inputs.h"
 #include "tafoni/io/vector.h"
 
@@ -74,6 +76,91 @@ TEST_F(DemGuard, MosaicsKeepToTheirFolder) {
                               "<MaskBand><VRTRasterBand dataType=\"Byte\"><SimpleSource>" + other +
                                   "<SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></MaskBand>"))),
       HasSubstr("does not lie in its folder"));
+}
+
+TEST_F(DemGuard, MosaicsOfTilesElsewhereAreReadWhereThatIsAllowed) {
+  const fs::path far = put("far.vrt", mosaic((folder_.path / "other.tif").string()));
+  EXPECT_THAT(refusal(far), HasSubstr("give --allow-outside"));
+  allow_outside();
+  EXPECT_EQ(at(read_dem(far).raster, 3, 5), height(3, 5));
+  EXPECT_THAT(refusal(put("url.vrt", mosaic("http://127.0.0.1:9/a.tif"))), HasSubstr("--allow-network"));
+  const fs::path endless = put("zero.vrt", mosaic("/dev/zero"));
+  EXPECT_THAT(thrown_by([&] { read_dem(endless); }).text, HasSubstr("is a pipe or a device"));
+  allow_outside(false);
+  EXPECT_THAT(refusal(far), HasSubstr("does not lie in its folder"));
+}
+
+/// Makes an HDF5 file of one data set of 8 x 8 heights, "z"; `settings` are those of its creation.
+void write_hdf5(const fs::path& path, hid_t settings = H5P_DEFAULT) {
+  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const std::array<hsize_t, 2> size{8, 8};
+  const hid_t space = H5Screate_simple(2, size.data(), nullptr);
+  const hid_t group = H5Gcreate2(file, "deeper", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t set = H5Dcreate2(file, "z", H5T_IEEE_F32LE, space, H5P_DEFAULT, settings, H5P_DEFAULT);
+  ASSERT_GE(set, 0);
+  std::array<float, 64> heights{};
+  for (std::size_t i = 0; i < heights.size(); ++i) heights[i] = 100 + static_cast<float>(i);
+  if (settings == H5P_DEFAULT) H5Dwrite(set, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, heights.data());
+  H5Dclose(set);
+  H5Gclose(group);
+  H5Sclose(space);
+  H5Fclose(file);
+}
+
+TEST_F(DemGuard, Hdf5TakesNothingFromOtherFiles) {
+  const fs::path other = folder_.path / "other.h5", plain = inside / "plain.nc";
+  write_hdf5(other);
+  write_hdf5(plain);
+  EXPECT_EQ(read_dem(plain).raster.width(), 8);
+
+  const fs::path raw = inside / "raw.nc";
+  const hid_t bytes = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_external(bytes, other.c_str(), 0, 256);
+  write_hdf5(raw, bytes);
+  H5Pclose(bytes);
+
+  const fs::path pieces = inside / "pieces.nc";
+  const hid_t mapped = H5Pcreate(H5P_DATASET_CREATE);
+  const std::array<hsize_t, 2> size{8, 8};
+  const hid_t space = H5Screate_simple(2, size.data(), nullptr);
+  H5Pset_virtual(mapped, space, other.c_str(), "/z", space);
+  write_hdf5(pieces, mapped);
+  H5Sclose(space);
+  H5Pclose(mapped);
+
+  const fs::path linked = inside / "linked.nc";
+  write_hdf5(linked);
+  const hid_t file = H5Fopen(linked.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  H5Lcreate_external(other.c_str(), "/z", file, "deeper/y", H5P_DEFAULT, H5P_DEFAULT);
+  H5Fclose(file);
+
+  for (const fs::path& given : {raw, pieces, linked}) {
+    EXPECT_THAT(refusal(given), HasSubstr("takes data from other files"));
+    const std::string part = "NETCDF:\"" + given.string() + "\":z";
+    EXPECT_THAT(thrown_by([&] { read_dem(part); }).text, HasSubstr("takes data from other files"));
+    const fs::path vrt = put("of_it.vrt", mosaic(given.filename().string()));
+    EXPECT_THAT(thrown_by([&] { read_dem(vrt); }).text, HasSubstr("takes data from other files"));
+  }
+  // Under another name, behind bytes of somebody else's, and as what is read along with another file.
+  std::ifstream in(raw, std::ios::binary);
+  const std::string all{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_THAT(refusal(put("raw.tif", all)), HasSubstr("takes data from other files"));
+  EXPECT_THAT(refusal(put("later.nc", std::string(1024, ' ') + all)),
+              HasSubstr("takes data from other files"));
+  EXPECT_THAT(refusal(put("cut.nc", all.substr(0, all.size() / 2))), HasSubstr("damaged HDF5"));
+  put("tiles/own.tif.ovr", all);
+  EXPECT_THAT(thrown_by([&] { read_dem(inside / "tiles" / "own.tif"); }).text,
+              HasSubstr("takes data from other files"));
+  // What is packed is not looked into, and so not read.
+  const std::string packed = "/vsizip/" + (inside / "packed.zip").string() + "/raw.nc";
+  VSILFILE* const out = VSIFOpenL(packed.c_str(), "wb");
+  ASSERT_NE(out, nullptr);
+  VSIFWriteL(all.data(), 1, all.size(), out);
+  VSIFCloseL(out);
+  for (const std::string& name : {packed, "NETCDF:\"" + packed + "\":z"})
+    EXPECT_THAT(thrown_by([&] { read_dem(name); }).text, HasSubstr("unpack it")) << name;
+  EXPECT_THAT(thrown_by([&] { read_dem(put("of_packed.vrt", mosaic(packed))); }).text,
+              HasSubstr("unpack it"));
 }
 
 TEST_F(DemGuard, MosaicsAreNoMoreThanMosaics) {

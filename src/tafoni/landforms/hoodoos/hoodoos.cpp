@@ -15,6 +15,7 @@
 #include "tafoni/landforms/hoodoos/stands.h"
 #include "tafoni/landforms/landform.h"
 #include "tafoni/landforms/site/ground.h"
+#include "tafoni/landforms/site/table_rows.h"
 
 namespace tafoni::landforms::landform_hoodoos {
 namespace {
@@ -126,13 +127,15 @@ class Hoodoos {
   /// The user's points come first.
   std::vector<Vec3d> places() {
     std::vector<Vec3d> all;
-    std::vector<Vec3d> given = ground_.site().points;
-    for (std::size_t i = 0; i + 1 < p_.at.size(); i += 2)
-      given.push_back(Vec3d{p_.at[i], p_.at[i + 1], 0} - ground_.site().origin);
-    for (Vec3d p : given) {
+    const auto add = [&](Vec3d p) {
       p.z = ground_.height(p.x, p.y);
       if (ground_.usable(p)) all.push_back(p);
-    }
+    };
+    for (const Vec3d p : ground_.site().points) add(p);
+    const std::ptrdiff_t before = std::ssize(all), given = std::ssize(p_.at) / 2;
+    for (std::ptrdiff_t i = 0; i < given; ++i)
+      add(Vec3d{p_.at[2 * i], p_.at[2 * i + 1], 0} - ground_.site().origin);
+    impl::warn_of_left_out("hoodoos: at", std::ssize(all) - before, given, progress_);
     if (p_.density == 0) return all;
     const auto found = impl::Stands(ground_, p_, radius_, progress_).places(all);
     all.insert(all.end(), found.begin(), found.end());

@@ -11,6 +11,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/site/spatial_hash.h"
 #include "tafoni/landforms/site/surface.h"
+#include "tafoni/landforms/site/table_rows.h"
 #include "tafoni/math/angle.h"
 #include "tafoni/terrain/analysis.h"
 
@@ -61,6 +62,7 @@ class Chooser {
       const Vec3d p = on_surface(world - ground_.site().origin);
       if (ground_.usable(p)) all.push_back(p);
     }
+    warn_of_left_out("karst: springs", std::ssize(all), std::ssize(s_.springs) / 3, progress_);
     return all;
   }
 

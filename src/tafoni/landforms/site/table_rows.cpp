@@ -1,5 +1,7 @@
 #include "tafoni/landforms/site/table_rows.h"
 
+#include <fmt/core.h>
+
 #include "tafoni/core/error.h"
 
 namespace tafoni::landforms::impl {
@@ -28,6 +30,14 @@ double required_number_in(const Row& row, std::string_view column, std::string_v
   const auto value = number_in(row, column);
   if (!value) fail(ErrorKind::usage, "{}: it needs a number for {}", where, column);
   return *value;
+}
+
+void warn_of_left_out(std::string_view what, std::ptrdiff_t used, std::ptrdiff_t given, Progress& progress) {
+  if (used < given)
+    progress.warn(
+        fmt::format("{}: {} of {} places left out: outside the terrain or where the layer may not act; check "
+                    "their positions",
+                    what, given - used, given));
 }
 
 }  // namespace tafoni::landforms::impl

@@ -1,10 +1,12 @@
 #pragma once
-// Numbers in the rows of a table, whose columns have checked them.
+// Numbers in the rows of a table, whose columns have checked them, and what is said of places given.
 
+#include <cstddef>
 #include <optional>
 #include <string_view>
 
 #include "tafoni/core/params.h"
+#include "tafoni/core/progress.h"
 #include "tafoni/math/vec.h"
 
 namespace tafoni::landforms::impl {
@@ -17,5 +19,8 @@ double required_number_in(const Row& row, std::string_view column, std::string_v
 Vec3d point_in(const Row& row, std::string_view column, std::string_view where);
 /// The text in a column without the blanks around it; empty where there is none.
 std::string_view text_in(const Row& row, std::string_view column);
+
+/// Warns where some of the places that a parameter gave are not used. `what` is "LANDFORM: PARAMETER".
+void warn_of_left_out(std::string_view what, std::ptrdiff_t used, std::ptrdiff_t given, Progress& progress);
 
 }  // namespace tafoni::landforms::impl

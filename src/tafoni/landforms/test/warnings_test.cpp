@@ -85,6 +85,15 @@ TEST(Warnings, CavesWhoseEntranceIsElsewhere) {
               ElementsAre(HasSubstr("grammar-cave makes nothing: its entrance lies outside")));
 }
 
+TEST(Warnings, PlacesThatAreLeftOut) {
+  const Values pillars = {{"at", std::vector<double>{500000, 4000000, 600000, 4000000}}, {"density", 0.0}};
+  EXPECT_THAT(warnings("hoodoos", pillars), ElementsAre(HasSubstr("hoodoos: at: 1 of 2 places left out")));
+  EXPECT_THAT(warnings("karst", {{"springs", std::vector<double>{600000, 4000000, 0}}}),
+              testing::Contains(HasSubstr("karst: springs: 1 of 1 places left out")));
+  EXPECT_THAT(warnings("hoodoos", {{"at", std::vector<double>{500000, 4000000}}, {"density", 0.0}}),
+              IsEmpty());
+}
+
 TEST(Refusals, OfWhatWouldTakeForever) {
   Row wide = near;
   wide["radius"] = "9000";

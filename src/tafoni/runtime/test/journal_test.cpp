@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -246,7 +247,10 @@ TEST_F(EditJournal, OfProgramsThatBeginAtOnceOneRecordsAndTheOthersAreTold) {
 }
 
 TEST_F(EditJournal, OtherFilesAreRefused) {
-  EXPECT_THAT(error_of([&] { read_journal(file); }), ::testing::HasSubstr("cannot be read; check the path"));
+  EXPECT_THAT(error_of([&] { read_journal(file); }), ::testing::HasSubstr("does not exist; check the path"));
+  ASSERT_EQ(::mkfifo((root / "pipe").c_str(), 0600), 0);
+  for (const fs::path& endless : {root / "pipe", fs::path("/dev/zero")})
+    EXPECT_THAT(error_of([&] { read_journal(endless); }), ::testing::HasSubstr("is a pipe or a device"));
   for (const std::string& text : {std::string(), std::string("not a journal, but a text of some length")}) {
     set_bytes(text);
     EXPECT_THAT(error_of([&] { read_journal(file); }),

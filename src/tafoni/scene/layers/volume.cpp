@@ -3,7 +3,6 @@
 // stretched (class Stretch).
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "tafoni/scene/layers/impl/site.h"
 #include "tafoni/volume/scalar_grid.h"
@@ -69,19 +68,15 @@ class Stretch {
   float band_, knee_, slope_, amplitude_;
 };
 
-/// A grid at its place. Beyond the frame its border goes on, or it is `outside`.
+/// A grid at its place. Beyond the frame its border goes on as far as `within`; beyond that it is `outside`.
 class Placed final : public field::Function {
  public:
-  Placed(const ScalarGrid& grid, Vec3d shift, Stretch stretch, std::optional<float> outside)
-      : grid_(grid),
-        box_{grid.frame().box().lo + shift, grid.frame().box().hi + shift},
-        shift_(shift),
-        stretch_(stretch),
-        outside_(outside) {}
+  Placed(const ScalarGrid& grid, Vec3d shift, Stretch stretch, const Box3d& within, float outside)
+      : grid_(grid), within_(within), shift_(shift), stretch_(stretch), outside_(outside) {}
 
   void values(std::span<const Vec3d> points, std::span<float> out) const override {
     for (std::size_t i = 0; i < points.size(); ++i)
-      out[i] = beyond(points[i]) ? *outside_ : stretch_(grid_.value(points[i] - shift_));
+      out[i] = beyond(points[i]) ? outside_ : stretch_(grid_.value(points[i] - shift_));
   }
   void gradients(std::span<const Vec3d> points, std::span<Vec3f> out) const override {
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -93,24 +88,30 @@ class Placed final : public field::Function {
     }
   }
   Interval range(const Box3d& box) const override {
-    if (outside_ && !box.overlaps(box_)) return {*outside_, *outside_};
+    if (!box.overlaps(within_)) return {outside_, outside_};
     const Interval r = grid_.range({box.lo - shift_, box.hi - shift_});
     Interval out{stretch_(r.lo), stretch_(r.hi)};
-    if (outside_ && !(box_.contains(box.lo) && box_.contains(box.hi)))
-      out = {std::min(out.lo, *outside_), std::max(out.hi, *outside_)};
+    if (!(within_.contains(box.lo) && within_.contains(box.hi)))
+      out = {std::min(out.lo, outside_), std::max(out.hi, outside_)};
     return out;
   }
-  const Box3d& box() const { return box_; }
 
  private:
-  bool beyond(Vec3d p) const { return outside_ && !box_.contains(p); }
+  bool beyond(Vec3d p) const { return !within_.contains(p); }
 
   ScalarGrid grid_;
-  Box3d box_;
+  Box3d within_;
   Vec3d shift_;
   Stretch stretch_;
-  std::optional<float> outside_;
+  float outside_;
 };
+
+/// Whether there is rock in the uppermost samples, which would go on upward without end.
+bool rock_on_top(const ScalarGrid& grid) {
+  Box3d top = grid.frame().box();
+  top.lo.z = top.hi.z;
+  return grid.range(top).hi > 0;
+}
 
 landforms::Result make(const impl::LayerParts& parts, impl::Readers& readers) {
   Params p;
@@ -123,28 +124,36 @@ landforms::Result make(const impl::LayerParts& parts, impl::Readers& readers) {
   const Interval range = volume.grid.range(frame.box());
   const Stretch stretch(std::max(std::abs(range.lo), std::abs(range.hi)),
                         static_cast<float>(parts.below.value.settings.amplitude));
-  const auto leaf = [&](std::optional<float> outside) {
-    return field::function(std::make_shared<Placed>(volume.grid, shift, stretch, outside));
+  const Box3d box{frame.box().lo + shift, frame.box().hi + shift};
+  const auto leaf = [&](const Box3d& within, float outside) {
+    return field::function(std::make_shared<Placed>(volume.grid, shift, stretch, within, outside));
   };
   landforms::Result out;
-  out.reshaped = Box3d{frame.box().lo + shift, frame.box().hi + shift};
+  out.reshaped = box;
   out.lowest = out.reshaped.lo.z;
   if (p.mode == "replace") {
-    out.reshape = [own = leaf({})](const field::NodePtr&) { return own; };
+    Box3d within = Box3d::everything();
+    if (rock_on_top(volume.grid)) {
+      within.hi.z = box.hi.z;
+      readers.progress.warn(
+          "volume: its rock reaches the top of its box and is cut off there; sample it with air above");
+    }
+    const auto air = static_cast<float>(-parts.below.value.settings.amplitude);
+    out.reshape = [own = leaf(within, air)](const field::NodePtr&) { return own; };
     out.reshaped = Box3d::everything();
   } else if (p.mode == "intersection") {
-    out.reshape = [own = leaf({})](field::NodePtr below) {
+    out.reshape = [own = leaf(Box3d::everything(), 0)](field::NodePtr below) {
       return field::intersect({std::move(below), own});
     };
     out.reshaped = Box3d::everything();
   } else if (p.mode == "insert") {
     // max(f, v) is at least v, and the least of that and v is v; beyond the box neither changes f.
-    out.reshape = [low = leaf(-far_away), high = leaf(far_away)](field::NodePtr below) {
+    out.reshape = [low = leaf(box, -far_away), high = leaf(box, far_away)](field::NodePtr below) {
       return field::intersect({field::unite({std::move(below), low}), high});
     };
   } else {
     const char* op = p.mode == "union" ? "union" : "difference";
-    out.reshape = [own = leaf(-far_away), op](field::NodePtr below) {
+    out.reshape = [own = leaf(box, -far_away), op](field::NodePtr below) {
       return field::combine(op, {std::move(below), own});
     };
   }

@@ -23,6 +23,8 @@ constexpr std::size_t samples = 96;
 constexpr std::size_t weighed = 64 * 64;
 // The coarser lattice has so many cells along the longer side at most, and coarser ones by this factor.
 constexpr double coarse_cells = 256, coarser = 2;
+// Cells about a column that are meshed with it: a simplified triangle is some cells long.
+constexpr double margin = 8;
 // Of the mean surface in a column: a column in which the coarser lattice shows nothing is looked at, too.
 constexpr double floor = 0.1;
 // Bytes a triangle before it is simplified, as measured: of the pieces, the mesh gathered from them, and its
@@ -63,27 +65,41 @@ struct Counts {
   double meshed = 0, kept = 0;
 };
 
-Counts counts_of(const BuiltScene& scene, const mesh::Mesh& mesh, Progress& progress) {
-  Counts out;
-  out.meshed = out.kept = static_cast<double>(mesh.triangles.size());
-  if (scene.document.scene.simplify <= 0 || mesh.triangles.empty()) return out;
+mesh::Mesh simplified(const BuiltScene& scene, const mesh::Mesh& mesh, Progress& progress) {
   mesh::SimplifySettings settings;
   settings.error = scene.document.scene.simplify;
-  out.kept = static_cast<double>(mesh::simplify(mesh, settings, progress).triangles.size());
-  return out;
+  return settings.error > 0 && !mesh.triangles.empty() ? mesh::simplify(mesh, settings, progress) : mesh;
 }
 
-/// Cells count by their centres, so that no column has those of another.
+/// The triangles over the column. Each belongs to that over which it has its middle, so that no column has
+/// those of another.
+double over_column(const mesh::Mesh& mesh, const Box3d& column) {
+  std::int64_t out = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3d middle =
+        to_double(mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) * (1.0 / 3);
+    out += middle.x >= column.lo.x && middle.x < column.hi.x && middle.y >= column.lo.y &&
+           middle.y < column.hi.y;
+  }
+  return static_cast<double>(out);
+}
+
+/// With a margin about the column: what is cut off there is not simplified, nor known as a fragment.
 Counts count_column(const BuiltScene& scene, const field::CompiledField& field,
                     surface::PolygonizeSettings settings, const Box3d& column, Progress& progress) {
+  const double margin = prediction::margin * settings.voxel;
   // Walls and base are in the field of a solid, so that a part of either kind is cut out alike.
   const Box3d before =
       settings.boundary == surface::Boundary::open ? settings.region : field.bounds().grown(settings.voxel);
   settings.boundary = surface::Boundary::open;
-  settings.region.lo = {std::max(column.lo.x, before.lo.x), std::max(column.lo.y, before.lo.y), before.lo.z};
-  settings.region.hi = {std::min(column.hi.x, before.hi.x), std::min(column.hi.y, before.hi.y), before.hi.z};
+  settings.region.lo = {std::max(column.lo.x - margin, before.lo.x),
+                        std::max(column.lo.y - margin, before.lo.y), before.lo.z};
+  settings.region.hi = {std::min(column.hi.x + margin, before.hi.x),
+                        std::min(column.hi.y + margin, before.hi.y), before.hi.z};
   if (settings.region.empty()) return {};
-  return counts_of(scene, surface::polygonize(field, settings, progress), progress);
+  const mesh::Mesh mesh = surface::polygonize(field, settings, progress);
+  return {.meshed = over_column(mesh, column),
+          .kept = over_column(simplified(scene, mesh, progress), column)};
 }
 
 /// How much surface the coarser lattice shows in each column.
@@ -170,9 +186,9 @@ Prediction predict(const BuiltScene& scene, int tiles, Progress& progress) {
   const Columns columns(scene);
   if (columns.size() <= prediction::samples) {
     const mesh::Mesh mesh = surface::polygonize(field, settings, progress);
-    return prediction_of(scene, counts_of(scene, mesh, progress), tiles);
+    const auto count = [](const mesh::Mesh& m) { return static_cast<double>(m.triangles.size()); };
+    return prediction_of(scene, {count(mesh), count(simplified(scene, mesh, progress))}, tiles);
   }
-  settings.min_fragment_volume = 0;
   const std::vector<Draw> draws = columns.size() <= prediction::weighed
                                       ? draw_by_weight(weights_of(scene, field, columns, progress))
                                       : draw_evenly(columns);

@@ -121,6 +121,31 @@ TEST(FieldSource, VerticesLieOnTheSurface) {
   EXPECT_LT(turned, points.size() / 500);
 }
 
+/// A ball of rock of radius 8 m, 700 m above the hills.
+class HighBall final : public field::Function {
+ public:
+  void values(std::span<const Vec3d> points, std::span<float> out) const override {
+    field::each_point(points, out, [](Vec3d p) { return 8 - length(p - center); });
+  }
+  Interval range(const Box3d& box) const override {
+    const double reach = length(box.size()) / 2, middle = 8 - length(box.center() - center);
+    return {static_cast<float>(middle - reach) - 0.1f, static_cast<float>(middle + reach) + 0.1f};
+  }
+  static constexpr Vec3d center{10, 20, 700};
+};
+
+TEST(FieldSource, RockHighAboveAnOpenTerrainIsMeshed) {
+  const Hills hills;
+  const field::CompiledField field = field::compile(
+      field::unite({field::heightfield(hills.heights, {}), field::function(std::make_shared<HighBall>())}));
+  PolygonizeSettings settings;
+  settings.boundary = Boundary::open;
+  settings.region = {{-155, -155, -50}, {155, 155, 800}};
+  const mesh::MeshMetrics m = mesh::metrics(polygonize(field, settings));
+  EXPECT_EQ(m.components, 2u);
+  EXPECT_NEAR(m.bounds.hi.z, HighBall::center.z + 8, 0.5);
+}
+
 /// A ball that fills a chunk with bricks to look at, and cancels when it is first asked.
 class Cancelling final : public field::Function {
  public:

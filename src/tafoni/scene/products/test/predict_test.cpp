@@ -36,6 +36,27 @@ TEST(Prediction, OfALargerOneIsNear) {
   EXPECT_NEAR(triangles_off(coast(360, 350, "voxel = 1\nboundary = \"open\"\n")), 0, 0.05);
 }
 
+TEST(Prediction, OfASimplifiedOneIsNear) {
+  // Fragments are left out of it, as of what is made.
+  double share = 1;
+  EXPECT_NEAR(
+      triangles_off(coast(360, 350, "voxel = 1\nboundary = \"open\"\nsimplify = 0.1\nmin_fragment = 1e5\n",
+                          "[[layer]]\ntype = \"stratified-cliff\"\n"),
+                    &share),
+      0, 0.05);
+  EXPECT_LT(share, 0.9);
+}
+
+TEST(Prediction, OfWhatStandsHighAboveTheGround) {
+  const std::string scene =
+      "scene = { voxel = 0.2, min_fragment = 0 }\n"
+      "terrain = { generator = \"plane\", elevation = -60, width = 128, height = 128 }\n"
+      "layer = [{ type = \"grammar-cave\", mode = \"solid\", alone = true, at = [64, 64, 0], size = 2.0 }]\n";
+  double share = 1;
+  EXPECT_NEAR(triangles_off(scene, &share), 0, 0.05);
+  EXPECT_LT(share, 0.2);
+}
+
 TEST(Prediction, OfWhatNobodyCanBuildTakesNoTime) {
   const BuiltScene scene = build(parse_scene(coast(400, 300, "voxel = 0.01\n"), "s.toml"));
   const Prediction p = predict(scene);

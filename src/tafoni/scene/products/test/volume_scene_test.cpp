@@ -239,6 +239,16 @@ TEST_F(VolumeScene, PrunesExactly) {
   }
 }
 
+TEST_F(VolumeScene, RockOnItsTopEndsThere) {
+  const volume::GridFrame frame{{0, 0, 0}, 1, {96, 96, 96}};
+  io::write_volume(path("block.tvol"), {volume::ScalarGrid(frame, 1), {0, 0, 0}, {}});
+  const BuiltScene scene = build(volume_document(path("block.tvol")));
+  const field::CompiledField field = scene.field_for(surface::Boundary::open);
+  EXPECT_GT(field.value(Vec3d{40, 40, 94.9} - scene.terrain.origin), 0);
+  EXPECT_LT(field.value(Vec3d{40, 40, 95.1} - scene.terrain.origin), 0);
+  EXPECT_LT(field.bounds().hi.z + scene.terrain.origin.z, 100);
+}
+
 TEST_F(VolumeScene, AtPutsTheMiddleOfItsBox) {
   save_ball("ball.tvol");
   const BuiltScene scene =
