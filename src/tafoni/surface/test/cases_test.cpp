@@ -1,10 +1,13 @@
 #include "tafoni/surface/impl/cases.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <set>
 
 #include <gmock/gmock.h>
+
+#include "tafoni/core/random.h"
 
 namespace tafoni::surface::impl {
 namespace {
@@ -117,6 +120,57 @@ TEST(Cases, TrianglesFaceAwayFromTheSolid) {
     const double facing = out[0] * (u[1] * w[2] - u[2] * w[1]) + out[1] * (u[2] * w[0] - u[0] * w[2]) +
                           out[2] * (u[0] * w[1] - u[1] * w[0]);
     EXPECT_GT(facing, 0);
+  }
+}
+
+/// In 128ths of a cell, so that determinants are exact.
+using Place = std::array<std::int64_t, 3>;
+
+/// The sign says on which side of a, b and c lies d.
+std::int64_t side_of(const Place& a, const Place& b, const Place& c, const Place& d) {
+  std::int64_t u[3], v[3], w[3];
+  for (int i = 0; i < 3; ++i) u[i] = a[i] - d[i], v[i] = b[i] - d[i], w[i] = c[i] - d[i];
+  return u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) +
+         u[2] * (v[0] * w[1] - v[1] * w[0]);
+}
+
+/// Whether an edge of the first triangle goes through the inside of the second.
+bool pierces(const std::array<Place, 3>& a, const std::array<Place, 3>& b) {
+  for (int i = 0; i < 3; ++i) {
+    const Place &p = a[i], &q = a[(i + 1) % 3];
+    const std::int64_t from = side_of(b[0], b[1], b[2], p), to = side_of(b[0], b[1], b[2], q);
+    if (from == 0 || to == 0 || (from > 0) == (to > 0)) continue;
+    int left = 0, right = 0;
+    for (int k = 0; k < 3; ++k) {
+      const std::int64_t side = side_of(p, q, b[k], b[(k + 1) % 3]);
+      left += side > 0, right += side < 0;
+    }
+    if (left == 3 || right == 3) return true;
+  }
+  return false;
+}
+
+TEST(Cases, TrianglesDoNotCross) {
+  // Those of different cells cannot: a vertex stays within its edge.
+  EXPECT_TRUE(pierces({{{0, 0, -1}, {0, 0, 1}, {9, 9, 9}}}, {{{-5, -5, 0}, {5, -5, 0}, {0, 5, 0}}}));
+  EXPECT_FALSE(pierces({{{6, 0, -1}, {6, 0, 1}, {9, 9, 9}}}, {{{-5, -5, 0}, {5, -5, 0}, {0, 5, 0}}}));
+  Random random(8);
+  for (int c = 0; c < 256; ++c) {
+    const CellCase& cell = case_table()[c];
+    for (int draw = 0; draw < 300; ++draw) {
+      std::array<Place, 12> at{};
+      for (int e = 0; e < 12; ++e) {
+        for (int axis = 0; axis < 3; ++axis) at[e][axis] = 128 * ((edge(e).low >> axis) & 1);
+        const auto anywhere = static_cast<std::int64_t>(1 + random.below(127));
+        at[e][e / 4] = draw % 2 == 0 ? anywhere : random.below(2) ? 1 : 127;
+      }
+      const auto triangle = [&](unsigned t) {
+        return std::array{at[cell.edges[3 * t]], at[cell.edges[3 * t + 1]], at[cell.edges[3 * t + 2]]};
+      };
+      for (unsigned t = 0; t < cell.triangles; ++t)
+        for (unsigned other = 0; other < cell.triangles; ++other)
+          ASSERT_FALSE(pierces(triangle(t), triangle(other))) << c << ' ' << t << ' ' << other;
+    }
   }
 }
 
