@@ -84,7 +84,8 @@ double over_column(const mesh::Mesh& mesh, const Box3d& column) {
   return static_cast<double>(out);
 }
 
-/// With a margin about the column: what is cut off there is not simplified, nor known as a fragment.
+/// With a margin about the column: what is cut off there is not simplified, nor known as a fragment. So of
+/// fragments that are wider than the margin too much is told.
 Counts count_column(const BuiltScene& scene, const field::CompiledField& field,
                     surface::PolygonizeSettings settings, const Box3d& column, Progress& progress) {
   const double margin = prediction::margin * settings.voxel;
