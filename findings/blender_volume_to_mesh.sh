@@ -14,20 +14,20 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
 chmod 755 .
-mkdir -p archives/partial root
+mkdir -p archives/partial tree
 : >status  # as if nothing were installed, so that all is fetched
 apt-get install -y -q --download-only --no-install-recommends -o Dir::State::status="$work/status" \
   -o Dir::Cache::archives="$work/archives" blender=3.4.1+dfsg-2+b1 python3-numpy python3-openvdb >log 2>&1 ||
   { tail -n 20 log >&2; exit 1; }
-for package in archives/*.deb; do dpkg-deb -x "$package" root; done
+for package in archives/*.deb; do dpkg-deb -x "$package" tree; done
 rm -r archives
 
-libraries=$(find root/lib root/usr/lib -name '*.so*' -printf '%h\n' | sort -u | sed "s|^|$work/|" | paste -sd:)
+libraries=$(find tree/lib tree/usr/lib -name '*.so*' -printf '%h\n' | sort -u | sed "s|^|$work/|" | paste -sd:)
 # Blender takes Python's modules from beside the first python3 of PATH.
-export PATH="$work/root/usr/bin:$PATH" BLENDER_SYSTEM_SCRIPTS="$work/root/usr/share/blender/scripts" \
-  BLENDER_SYSTEM_DATAFILES="$work/root/usr/share/blender/datafiles" HOME="$work"
+export PATH="$work/tree/usr/bin:$PATH" BLENDER_SYSTEM_SCRIPTS="$work/tree/usr/share/blender/scripts" \
+  BLENDER_SYSTEM_DATAFILES="$work/tree/usr/share/blender/datafiles" HOME="$work"
 inside() {
-  "$work/root/lib64/ld-linux-x86-64.so.2" --library-path "$libraries" "$work/root/usr/bin/$1" "${@:2}"
+  "$work/tree/lib64/ld-linux-x86-64.so.2" --library-path "$libraries" "$work/tree/usr/bin/$1" "${@:2}"
 }
 
 cat >sphere.py <<'PY'
@@ -59,7 +59,7 @@ for mode, size in (("GRID", 2.0), ("VOXEL_SIZE", 1.0)):
     middle = [(min(p[k] for p in places) + max(p[k] for p in places)) / 2 for k in range(3)]
     print(f"SEEN Blender {bpy.app.version_string}, {mode} {size:g} m: middle", *(f"{x:.3f}" for x in middle))
 PY
-PYTHONPATH="$work/root/usr/lib/python3/dist-packages" PYTHONHOME="$work/root/usr" inside python3.11 sphere.py |
+PYTHONPATH="$work/tree/usr/lib/python3/dist-packages" PYTHONHOME="$work/tree/usr" inside python3.11 sphere.py |
   sed 's/-0\.000/0.000/g' >seen
 inside blender -b --factory-startup -noaudio --python-exit-code 1 --python look.py >blender.log 2>&1 ||
   { tail -n 20 blender.log >&2; exit 1; }

@@ -17,6 +17,8 @@ from case import TAFONI, Case  # noqa: E402
 
 KILL_AT, RECORD = os.environ["TAFONI_KILL_AT"], os.environ["TAFONI_RECORD"]
 ALL = "--all" in sys.argv
+# LeakSanitizer stops a program that is traced, as those that are killed at a call are.
+TRACED = {**os.environ, "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":detect_leaks=0"}
 
 
 class Kill(Case):
@@ -35,7 +37,8 @@ class Kill(Case):
                 p.unlink()
             for name, data in before.items():
                 (self.dir / name).write_bytes(data)
-            done = subprocess.run([*how, str(at), path, *command], cwd=self.dir, capture_output=True, text=True, timeout=300)
+            done = subprocess.run([*how, str(at), path, *command], cwd=self.dir, env=TRACED, capture_output=True, text=True,
+                                  timeout=300)
             *_, last = done.stderr.splitlines()
             self.assertIn(last.split()[0], ("killed", "ended"), done.stderr)
             self.at = f"call {at}: {last}"
