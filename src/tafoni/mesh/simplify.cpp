@@ -20,6 +20,8 @@ using inner::Triangle;
 constexpr std::size_t patch_triangles = 20000;
 /// A patch below this that breaks the surface is not cut any further, or borders would be most of it.
 constexpr std::size_t least_patch = 1000;
+/// A patch that has lost all but a part in so many is flat.
+constexpr std::size_t flat_reduction = 12;
 /// A sixteenth of the error leaves little to gain: the patch stays as it was.
 constexpr int most_halvings = 4;
 
@@ -56,10 +58,18 @@ void collapse_all(const impl::Surface& surface, const impl::Ownership& ownership
       progress);
 }
 
-/// What to do instead of a collapse that broke the surface: the same in smaller parts, then with less error,
-/// and in the end nothing.
+/// What to do instead of a collapse that broke the surface: the same in smaller parts, or apart from its
+/// neighbours, then with less error, and in the end nothing. Where hardly more than the border is left, which
+/// on flat ground the neighbour may join in the same way, smaller parts would only have more border.
 void try_again(std::span<const Vec3f> positions, impl::Ownership& ownership, Patch& patch,
                std::vector<Patch>& next) {
+  patch.done = patch.broken = false;
+  const bool flat = patch.result.size() < patch.given.size() / flat_reduction;
+  if (!patch.parted && (flat || patch.given.size() <= least_patch)) {
+    patch.parted = true;
+    next.push_back(std::move(patch));
+    return;
+  }
   if (patch.given.size() > least_patch) {
     auto parts = impl::cut(positions, patch.given, patch.given.size() / 4, 0.25);
     if (parts.size() > 1) {
@@ -70,7 +80,6 @@ void try_again(std::span<const Vec3f> positions, impl::Ownership& ownership, Pat
       return;
     }
   }
-  patch.done = patch.broken = false;
   if (++patch.halvings > most_halvings) {
     patch.result = patch.given;
     patch.done = patch.rejected = true;

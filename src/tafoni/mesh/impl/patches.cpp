@@ -163,10 +163,9 @@ bool keep_some(const std::vector<std::vector<std::uint32_t>>& found, std::vector
 
 /// Collapses again, with the triangles about some vertices as they were given, until no edge and no triangle
 /// between vertices of seams is new. False if that cannot be.
-bool part_seams(const LocalMesh& local, const std::vector<bool>& seam, double error,
+bool part_seams(const LocalMesh& local, const std::vector<bool>& on_seam, double error,
                 std::vector<Triangle>& out) {
-  std::vector<bool> on_seam(local.positions.size(), false), kept(local.positions.size(), false);
-  for (std::size_t v = 0; v < on_seam.size(); ++v) on_seam[v] = seam[local.globals[v]];
+  std::vector<bool> kept(local.positions.size(), false);
   const SeamChords given(local.triangles, on_seam);
   for (;;) {
     const SeamChords made(out, on_seam);
@@ -203,6 +202,11 @@ void Ownership::take(Patch& patch, std::uint32_t parent) {
 std::vector<Patch> cut(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
                        std::size_t wanted, double shift) {
   if (triangles.empty()) return {};
+  if (triangles.size() <= wanted) {
+    std::vector<Patch> all(1);
+    all[0].given.assign(triangles.begin(), triangles.end());
+    return all;
+  }
   // A corner places a triangle as well as its middle does.
   Box3f box;
   for (const Triangle& t : triangles) box.expand(positions[t[0]]);
@@ -225,7 +229,16 @@ std::vector<Patch> cut(std::span<const Vec3f> positions, std::span<const Triangl
 void collapse(const Surface& surface, const Ownership& ownership, Patch& patch, double error) {
   const LocalMesh local = local_mesh(surface.positions, patch.given);
   std::vector<Triangle> out = collapsed(local, local.triangles, error);
-  patch.broken = !surface.seam.empty() && !part_seams(local, surface.seam, error, out);
+  patch.broken = false;
+  if (!surface.seam.empty() || patch.parted) {
+    std::vector<bool> on_seam(local.positions.size());
+    for (std::size_t v = 0; v < on_seam.size(); ++v) {
+      const std::uint32_t global = local.globals[v];
+      on_seam[v] =
+          (!surface.seam.empty() && surface.seam[global]) || (patch.parted && ownership.shared(global));
+    }
+    patch.broken = !part_seams(local, on_seam, error, out);
+  }
   const std::vector<bool> broken = broken_vertices(local.positions, out);
   for (std::size_t v = 0; v < broken.size(); ++v)
     if (broken[v] && !ownership.shared(local.globals[v])) patch.broken = true;

@@ -22,6 +22,7 @@ struct Patch {
   std::uint32_t id = 0;
   bool done = false;      ///< result is made
   bool broken = false;    ///< result is not a clean surface at a vertex of its own
+  bool parted = false;    ///< makes no edge between shared vertices that the neighbour might make, too
   int halvings = 0;       ///< of the error, after attempts that broke the surface
   bool rejected = false;  ///< result is given
 };

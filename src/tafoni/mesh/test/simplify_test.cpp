@@ -82,6 +82,21 @@ TEST(Simplify, PebblesVanishWithoutATrace) {
   EXPECT_LT(metrics(small).components, metrics(mesh).components);
 }
 
+TEST(Simplify, OfFlatGroundLittleButTheBorderIsLeftHoweverLargeTheError) {
+  // Patches that lie flat side by side have borders of points in a row, over which both would make one edge.
+  const Mesh mesh = surface(
+      420, 400, 6, [](Vec3d p) { return 2.6 + 0.1 * std::sin(p.x * 0.9) * std::cos(p.y * 0.7) - p.z; });
+  const std::size_t at_border = border(mesh).size();
+  std::size_t most = 4 * at_border;
+  for (const double error : {0.5, 1.0, 2.0, 4.0}) {
+    const Mesh small = simplify(mesh, {.error = error, .normals = {}});
+    EXPECT_THAT(defects(validate(small)), IsEmpty());
+    EXPECT_EQ(border(small), border(mesh));
+    EXPECT_LT(small.triangles.size(), most) << error;
+    most = small.triangles.size() + at_border;
+  }
+}
+
 TEST(Simplify, FlatFacesLoseNoArea) {
   // A block with walls exactly on lattice planes: its collinear vertices tempt collapses into empty
   // triangles.

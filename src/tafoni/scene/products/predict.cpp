@@ -4,6 +4,7 @@
 #include "tafoni/scene/products/predict.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -84,6 +85,38 @@ double over_column(const mesh::Mesh& mesh, const Box3d& column) {
   return static_cast<double>(out);
 }
 
+/// Which vertices lie on the mesh's open border.
+std::vector<bool> on_border(const mesh::Mesh& mesh) {
+  std::vector<std::array<std::uint32_t, 2>> edges;
+  edges.reserve(3 * mesh.triangles.size());
+  for (const auto& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
+      edges.push_back({a, b});
+    }
+  std::sort(edges.begin(), edges.end());
+  std::vector<bool> out(mesh.positions.size());
+  for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
+    while (next < edges.size() && edges[next] == edges[i]) ++next;
+    if (next == i + 1) out[edges[i][0]] = out[edges[i][1]] = true;
+  }
+  return out;
+}
+
+/// The triangles of a simplified mesh over the column, by its vertices: two for each, or one on an open
+/// border, as Euler's formula has it. Where little is left, the triangles themselves reach from the column to
+/// where the mesh was cut, and would be as many as that has vertices.
+double simplified_over_column(const mesh::Mesh& mesh, const Box3d& column) {
+  const std::vector<bool> border = on_border(mesh);
+  double out = 0;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const Vec3d p = to_double(mesh.positions[v]);
+    if (p.x >= column.lo.x && p.x < column.hi.x && p.y >= column.lo.y && p.y < column.hi.y)
+      out += border[v] ? 1 : 2;
+  }
+  return out;
+}
+
 /// With a margin about the column: what is cut off there is not simplified, nor known as a fragment. So of
 /// fragments that are wider than the margin too much is told.
 Counts count_column(const BuiltScene& scene, const field::CompiledField& field,
@@ -93,14 +126,16 @@ Counts count_column(const BuiltScene& scene, const field::CompiledField& field,
   const Box3d before =
       settings.boundary == surface::Boundary::open ? settings.region : field.bounds().grown(settings.voxel);
   settings.boundary = surface::Boundary::open;
-  settings.region.lo = {std::max(column.lo.x - margin, before.lo.x),
-                        std::max(column.lo.y - margin, before.lo.y), before.lo.z};
-  settings.region.hi = {std::min(column.hi.x + margin, before.hi.x),
-                        std::min(column.hi.y + margin, before.hi.y), before.hi.z};
+  settings.region = Box3d::everything();
+  settings.region.lo.x = std::max(column.lo.x - margin, before.lo.x);
+  settings.region.lo.y = std::max(column.lo.y - margin, before.lo.y);
+  settings.region.hi.x = std::min(column.hi.x + margin, before.hi.x);
+  settings.region.hi.y = std::min(column.hi.y + margin, before.hi.y);
   if (settings.region.empty()) return {};
   const mesh::Mesh mesh = surface::polygonize(field, settings, progress);
-  return {.meshed = over_column(mesh, column),
-          .kept = over_column(simplified(scene, mesh, progress), column)};
+  const double meshed = over_column(mesh, column);
+  if (!(scene.document.scene.simplify > 0)) return {meshed, meshed};
+  return {.meshed = meshed, .kept = simplified_over_column(simplified(scene, mesh, progress), column)};
 }
 
 /// How much surface the coarser lattice shows in each column.
@@ -109,7 +144,7 @@ std::vector<double> weights_of(const BuiltScene& scene, const field::CompiledFie
   const Vec3d size = scene.terrain.box.size();
   const double voxel =
       std::max(prediction::coarser * scene.voxel, std::max(size.x, size.y) / prediction::coarse_cells);
-  auto settings = polygonize_settings(scene, field, voxel);
+  auto settings = polygonize_settings(scene, voxel);
   settings.normals = false;
   settings.min_fragment_volume = 0;
   const mesh::Mesh coarse = surface::polygonize(field, settings, progress);
@@ -182,7 +217,7 @@ Prediction least_prediction(const BuiltScene& scene, int tiles) {
 
 Prediction predict(const BuiltScene& scene, int tiles, Progress& progress) {
   const field::CompiledField field = scene.field_for(scene.boundary());
-  auto settings = polygonize_settings(scene, field, scene.voxel);
+  auto settings = polygonize_settings(scene, scene.voxel);
   settings.normals = false;
   const Columns columns(scene);
   if (columns.size() <= prediction::samples) {
