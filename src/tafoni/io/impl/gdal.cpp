@@ -197,7 +197,7 @@ DatasetPtr open_dataset(const std::filesystem::path& path, unsigned flags, const
   for (const std::string& other : together) {
     // Side files lie beside the name given, which may be a link to elsewhere.
     if (file && std::filesystem::path(other).parent_path() != std::filesystem::path(name).parent_path())
-      check_inside(other, path);
+      check_inside(other, path, "copy that file there, or move it to a folder above all that it names");
     if (looks_like_vrt(other))
       fail(ErrorKind::input, "{} leads to a mosaic of other files, {}; put that elsewhere.", path.string(),
            other);

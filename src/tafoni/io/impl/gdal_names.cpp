@@ -100,7 +100,7 @@ void check_regular(const fs::path& path, const char* what) {
 /// What is packed cannot be looked into as check_hdf5() does.
 void check_packed(const std::string& name) {
   const bool part = starts_with_any(name, part_prefixes);
-  if (part ? name.find(file_systems) != std::string::npos : holds_hdf5(name))
+  if (part ? on_network(name) || name.find(file_systems) != std::string::npos : holds_hdf5(name))
     fail(ErrorKind::input,
          "{} is a netCDF or BAG file within an archive or on the network; fetch or unpack it, and name that.",
          name);
@@ -171,20 +171,22 @@ std::string checked_name(const fs::path& path, const char* what) {
 }
 
 bool inside(const fs::path& file, const fs::path& owner) {
-  std::error_code code;
-  const fs::path folder = fs::weakly_canonical(fs::absolute(owner, code), code).parent_path();
-  const fs::path where = fs::weakly_canonical(fs::absolute(file, code), code);
+  // Empty where it cannot be found out.
+  const auto whole = [](const fs::path& path) {
+    std::error_code code;
+    const fs::path absolute = fs::absolute(path, code);
+    const fs::path real = code ? fs::path() : fs::weakly_canonical(absolute, code);
+    return code ? fs::path() : real;
+  };
+  const fs::path folder = whole(owner).parent_path(), where = whole(file);
   const auto [end, ignored] = std::mismatch(folder.begin(), folder.end(), where.begin(), where.end());
-  return !code && end == folder.end();
+  return !folder.empty() && end == folder.end();
 }
 
-void check_inside(const fs::path& file, const fs::path& owner) {
+void check_inside(const fs::path& file, const fs::path& owner, std::string_view advice) {
   if (inside(file, owner)) return;
-  fail(
-      ErrorKind::input,
-      "{} names {}, which does not lie in its folder; copy that there, or move it to a folder above all that "
-      "it names.",
-      owner.string(), file.string());
+  fail(ErrorKind::input, "{} names {}, which does not lie in its folder; {}.", owner.string(), file.string(),
+       advice);
 }
 
 }  // namespace impl

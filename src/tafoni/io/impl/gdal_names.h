@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tafoni::io::impl {
@@ -26,15 +27,16 @@ std::string checked_name(const std::filesystem::path& path, const char* what);
 void check_vrt(const std::filesystem::path& path);
 
 /// Throws Error{input} where the file at `path` is an HDF5 file, as netCDF and BAG may be, that takes data
-/// from other files, or one that is damaged.
+/// from other files, or one that cannot be looked through.
 void check_hdf5(const std::filesystem::path& path);
-/// Whether what GDAL opens by a name is an HDF5 file.
+/// Whether what GDAL opens by a name is an HDF5 file, to any of its drivers.
 bool holds_hdf5(const std::string& name);
 
 /// Whether `file` lies in the folder of `owner` or below it.
 bool inside(const std::filesystem::path& file, const std::filesystem::path& owner);
-/// Throws Error{input} unless it does.
-void check_inside(const std::filesystem::path& file, const std::filesystem::path& owner);
+/// Throws Error{input} unless it does, with what to do about it.
+void check_inside(const std::filesystem::path& file, const std::filesystem::path& owner,
+                  std::string_view advice);
 
 /// Whether what GDAL opens by a name begins as a VRT does, whatever the name says.
 bool looks_like_vrt(const std::string& name);

@@ -166,7 +166,7 @@ std::vector<T> unpacked_values(VdbBytes& in, const VdbCoding& coding, std::size_
   if (!packed)
     std::copy(bytes.begin(), bytes.end(), to.begin());
   else if (!(coding.flags & VdbCoding::blosc ? Blosc(bytes).unpack(to) : unzip(bytes, to)))
-    in.damaged("the values of a node cannot be unpacked_values");
+    in.damaged("the values of a node cannot be unpacked");
   return out;
 }
 

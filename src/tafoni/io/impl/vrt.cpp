@@ -131,7 +131,7 @@ class VrtCheck {
     const std::string name = CPLGetXMLValue(&node, nullptr, "");
     const bool relative = std::string_view(CPLGetXMLValue(&node, "relativeToVRT", "0")) == "1";
     if (on_network(name)) {
-      if (network_allowed()) return void(checked_name(name, "a piece of a mosaic"));
+      if (network_allowed()) return check_piece(name);
       fail(ErrorKind::input, "{} names {}, which is not on this machine; fetch it, or give --allow-network.",
            owner_.string(), name);
     }
@@ -147,16 +147,24 @@ class VrtCheck {
       file = *inside;
     }
     check_place(file);
-    checked_name(name.starts_with("/vsi") ? fs::path(name) : file, "a piece of a mosaic");
-    if (looks_like_vrt(file.string())) check(file);
+    check_piece(name.starts_with("/vsi") ? fs::path(name) : file);
+  }
+
+  /// What is no mosaic names no other file. A mosaic that is packed or far away is not looked into.
+  void check_piece(const fs::path& piece) {
+    const std::string name = checked_name(piece, "a piece of a mosaic");
+    if (!looks_like_vrt(name)) return;
+    std::error_code code;
+    if (fs::exists(piece, code)) return check(piece);
+    fail(ErrorKind::input,
+         "{} names {}, a mosaic within an archive or on the network; fetch or unpack it, and name that.",
+         owner_.string(), name);
   }
 
   void check_place(const fs::path& file) const {
-    if (outside_allowed() || inside(file, owner_)) return;
-    fail(ErrorKind::input,
-         "{} names {}, which does not lie in its folder; if both are yours, give --allow-outside, else copy "
-         "that there.",
-         owner_.string(), file.string());
+    if (!outside_allowed())
+      check_inside(file, owner_,
+                   "if both are yours, give --allow-outside, else copy that file into its folder");
   }
 
   const fs::path& owner_;

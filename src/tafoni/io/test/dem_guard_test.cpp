@@ -147,7 +147,7 @@ TEST_F(DemGuard, Hdf5TakesNothingFromOtherFiles) {
   EXPECT_THAT(refusal(put("raw.tif", all)), HasSubstr("takes data from other files"));
   EXPECT_THAT(refusal(put("later.nc", std::string(1024, ' ') + all)),
               HasSubstr("takes data from other files"));
-  EXPECT_THAT(refusal(put("cut.nc", all.substr(0, all.size() / 2))), HasSubstr("damaged HDF5"));
+  EXPECT_THAT(refusal(put("cut.nc", all.substr(0, all.size() / 2))), HasSubstr("cannot be looked through"));
   put("tiles/own.tif.ovr", all);
   EXPECT_THAT(thrown_by([&] { read_dem(inside / "tiles" / "own.tif"); }).text,
               HasSubstr("takes data from other files"));
@@ -272,6 +272,22 @@ TEST_F(DemGuard, WhatIsBesideTheDataIsNamed) {
   EXPECT_THAT(refusal(put("alps.hgt", std::string(2 * 1201 * 1201, '\1'))), HasSubstr("N43E005.hgt"));
 }
 
+TEST_F(DemGuard, GroupsOfHdf5AreATree) {
+  const fs::path nested = inside / "nested.nc", twice = inside / "twice.nc", deep = inside / "deep.nc";
+  for (const auto& [path, levels] : {std::pair{nested, 20}, std::pair{twice, 1}, std::pair{deep, 120}}) {
+    write_hdf5(path);
+    const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    std::string name;
+    for (int i = 0; i < levels; ++i)
+      H5Gclose(H5Gcreate2(file, (name += "/g").c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    if (path == twice) H5Lcreate_hard(file, "g", file, "deeper/again", H5P_DEFAULT, H5P_DEFAULT);
+    H5Fclose(file);
+  }
+  EXPECT_EQ(read_dem(nested).raster.width(), 8);
+  for (const fs::path& path : {twice, deep})
+    EXPECT_THAT(refusal(path), HasSubstr("groups within groups without end, or one in two places"));
+}
+
 TEST_F(DemGuard, ArchivesAreEntered) {
   const std::string archive = (inside / "tile.zip").string();
   VSILFILE* const out = VSIFOpenL(("/vsizip/" + archive + "/data/readme.txt").c_str(), "wb");
@@ -292,6 +308,8 @@ TEST_F(DemGuard, ArchivesAreEntered) {
   VSIFWriteL(names.data(), 1, names.size(), vrt);
   VSIFCloseL(vrt);
   EXPECT_THAT(refusal(hidden), HasSubstr("a mosaic within an archive"));
+  // Nor through a mosaic that may be read.
+  EXPECT_THAT(refusal(put("of_packed.vrt", mosaic(hidden))), HasSubstr("a mosaic within an archive"));
 }
 
 }  // namespace
