@@ -119,7 +119,7 @@ Meshed optimized(const scene::BuiltScene& scene) {
   const double start = bench::wall_seconds(), start_cpu = bench::cpu_seconds();
   const field::CompiledField field = scene.field_for(scene.boundary());
   const mesh::Mesh mesh =
-      surface::polygonize(field, scene::polygonize_settings(scene, field, scene.voxel), silent(), &out.stats);
+      surface::polygonize(field, scene::polygonize_settings(scene, scene.voxel), silent(), &out.stats);
   out.seconds = bench::wall_seconds() - start;
   out.cpu = bench::cpu_seconds() - start_cpu;
   out.hash = hash_of(mesh);
@@ -134,7 +134,7 @@ Meshed plain(const scene::BuiltScene& scene) {
   Meshed out;
   const double start = bench::wall_seconds(), start_cpu = bench::cpu_seconds();
   const field::CompiledField field = scene.field_for(scene.boundary());
-  const auto settings = scene::polygonize_settings(scene, field, scene.voxel);
+  const auto settings = scene::polygonize_settings(scene, scene.voxel);
   const double side = scene.voxel * field::chunk_cells;
   const Box3d box = field.bounds();
   const surface::SampleSource::Range z{static_cast<int>(std::floor(box.lo.z / side)) - 1,

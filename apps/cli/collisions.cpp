@@ -115,7 +115,7 @@ const std::vector<Question>& all_questions() {
 
 CollisionGround ground_of_scene(const scene::BuiltScene& scene) {
   const field::CompiledField field = scene.field_for(scene.boundary());
-  const Box3d region = scene::polygonize_settings(scene, field, scene.voxel).region;
+  const Box3d region = scene::polygonize_settings(scene, scene.voxel).region;
   return {std::make_unique<query::FieldCollider>(
               field, query::FieldSettings{.voxel = scene.voxel, .region = region}),
           scene.terrain.origin, field};

@@ -25,7 +25,7 @@ class CompiledField {
   void gradients(std::span<const Vec3d> points, std::span<float> values, std::span<Vec3f> gradients) const;
   /// Encloses every value of f over the box (local metres).
   Interval interval(const Box3d& box) const;
-  /// A box that holds the whole surface f = 0, but for that of functions, which it does not know; empty when
+  /// A box that holds the whole surface f = 0, but for that of functions whose support has no end; empty when
   /// there is no other.
   Box3d bounds() const;
 

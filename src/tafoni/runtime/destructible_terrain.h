@@ -50,7 +50,7 @@ struct DestructibleTerrainSettings {
   /// larger edit is refused, whoever sent it; so give the same to all peers. With the default, 200 samples
   /// each way, the worst that can be sent takes some seconds. Not so a Rewind: it makes again the edits
   /// between its version and the nearest kept one before, each of so many samples at most. These are at most
-  /// 64 where it leads to within 512 edits of the present and no other rewinds lie between, and else may be
+  /// 64 where it leads to within 448 edits of the present and no other rewinds lie between, and else may be
   /// all edits there were; so allow rewinding only among peers who are trusted with that.
   std::uint64_t edit_work = std::uint64_t{1} << 23;
 };

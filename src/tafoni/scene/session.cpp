@@ -321,7 +321,7 @@ std::vector<surface::ChunkChange> Session::remesh(Progress& progress) {
   if (!s.built) update(progress);
   const BuiltScene& scene = *s.built->scene;
   const field::CompiledField field = scene.field_for(scene.boundary());
-  const auto settings = polygonize_settings(scene, field, scene.voxel);
+  const auto settings = polygonize_settings(scene, scene.voxel);
   const void* inside = scene.boundary() == surface::Boundary::open ? scene.terrain.inside.get() : nullptr;
   if (!s.mesher || !same_lattice(*s.meshed, settings) || s.meshed_inside != inside) {
     s.mesher = std::make_unique<surface::IncrementalMesher>(settings);

@@ -17,6 +17,7 @@
 #include "tafoni/math/whole.h"
 #include "tafoni/surface/impl/connect.h"
 #include "tafoni/surface/impl/field_source.h"
+#include "tafoni/surface/impl/rim.h"
 
 namespace tafoni::surface {
 namespace {
@@ -36,6 +37,8 @@ constexpr int far = (1 << 30) - 1;  ///< beyond every cell, yet differences fit 
 struct Chunk {
   Piece piece;
   std::vector<Vec3f> positions, normals;
+  std::vector<Vec3f>
+      shown;  ///< normals that agree with the triangles; on the rim, which neighbours share, the field's
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint32_t> edges;
   std::vector<std::uint64_t> signs;  ///< solid bits of all samples, as impl::Kept has them
@@ -51,7 +54,7 @@ struct Chunk {
            same(piece.normals, other.normals);
   }
   /// Copies what lies in the maker's memory.
-  void take(Piece&& made) {
+  void take(Piece&& made, double voxel) {
     piece = std::move(made);
     const auto own = [](auto& span, auto& memory) {
       memory.assign(span.begin(), span.end());
@@ -62,6 +65,11 @@ struct Chunk {
     own(piece.triangles, triangles);
     own(piece.edges, edges);
     parts_known = false;
+    shown = normals;
+    if (shown.empty()) return;
+    piece.normals = shown;
+    impl::settle_inside(piece, voxel);
+    piece.normals = normals;
   }
   void read_signs(const ChunkSamples& from, const BrickBox& box);
 };
@@ -286,7 +294,7 @@ void IncrementalMesher::State::remake(Worker& worker, Job& job) {
   made.chunk = job.chunk;
   job.differs = !held.same_as(made);
   if (job.differs) {
-    held.take(std::move(made));
+    held.take(std::move(made), settings.voxel);
     held.version = version;
   }
   worker.maker.forget_pieces();
@@ -361,7 +369,7 @@ ChunkView IncrementalMesher::chunk(Vec3i chunk) const {
   const auto found = state_->chunks.find(chunk);
   if (found == state_->chunks.end()) return {};
   const Chunk& c = *found->second;
-  return {c.positions, c.normals, c.triangles, c.version};
+  return {c.positions, c.shown, c.triangles, c.version};
 }
 
 std::vector<Vec3i> IncrementalMesher::chunks() const {

@@ -88,8 +88,8 @@ class PolygonizeJob {
   std::vector<std::unique_ptr<impl::Arena>> arenas_;
 };
 
-/// Narrows the columns of chunks to those that can hold surface. Not up and down: the bounds do not know at
-/// which elevations a function has surface, and columns are walked where they can have some.
+/// Narrows the columns of chunks to those that can hold surface. Up and down, columns are walked where they
+/// can have some.
 void PolygonizeJob::skip_empty(const Box3d& bounds) {
   const double side = settings_.voxel * field::chunk_cells;
   const auto low = [&](int first, double lo) {

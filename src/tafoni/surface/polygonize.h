@@ -26,7 +26,9 @@ struct PolygonizeSettings {
   double voxel = 1.0;  ///< size of a cell, metres
   Boundary boundary = Boundary::solid;
   /// Local metres. `open` keeps the cells whose centre lies in it; `solid` every chunk that touches it, so
-  /// that a region that holds the whole surface loses nothing. Empty: the field's bounds.
+  /// that a region that holds the whole surface loses nothing. It may have no end upward and downward. Empty:
+  /// the columns over the field's bounds. Functions whose support has no end are not looked for beside these
+  /// bounds, only above and below.
   Box3d region;
   /// `open` only: columns of cells whose centre (x, y), local metres, fails this are left out. May be null.
   /// Called from one thread. A column that would touch the kept ones only across a corner is left out too.

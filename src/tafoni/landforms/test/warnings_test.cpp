@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/test/heard_warnings.h"
 #include "tafoni/landforms/test/site.h"
 
 namespace tafoni::landforms::test {
@@ -14,11 +15,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-struct Listening final : Progress {
-  void on_warn(std::string_view sentence) override { heard.emplace_back(sentence); }
-  std::vector<std::string> heard;
-};
-
 /// 120 m by 90 m.
 Coast hill() {
   return Coast([](Vec3d) { return 0.5; },
@@ -27,9 +23,9 @@ Coast hill() {
 
 std::vector<std::string> warnings(const char* type, const Values& values) {
   const Coast coast = hill();
-  Listening progress;
-  find_landform(type).generate(coast.site, values, progress);
-  return progress.heard;
+  HeardWarnings warnings;
+  find_landform(type).generate(coast.site, values, warnings);
+  return warnings.said;
 }
 
 std::string refusal(const char* type, const Values& values) {

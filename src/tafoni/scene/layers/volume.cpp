@@ -108,9 +108,13 @@ class Placed final : public field::Function {
 
 /// Whether there is rock in the uppermost samples, which would go on upward without end.
 bool rock_on_top(const ScalarGrid& grid) {
-  Box3d top = grid.frame().box();
-  top.lo.z = top.hi.z;
-  return grid.range(top).hi > 0;
+  const Vec3i last = grid.frame().size - Vec3i{1, 1, 1};
+  std::vector<float> row(grid.frame().size.x);
+  for (int j = 0; j <= last.y; ++j) {
+    grid.read({{0, j, last.z}, {last.x, j, last.z}}, row.data());
+    if (std::any_of(row.begin(), row.end(), [](float f) { return f > 0; })) return true;
+  }
+  return false;
 }
 
 landforms::Result make(const impl::LayerParts& parts, impl::Readers& readers) {

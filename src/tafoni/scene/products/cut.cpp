@@ -210,7 +210,7 @@ mesh::Mesh cut_mesh(const BuiltScene& scene, const Cut& cut, Progress& progress)
   BuiltScene open = scene;
   open.document.scene.boundary = "open";
   const field::CompiledField field = open.field_for(surface::Boundary::open);
-  auto settings = polygonize_settings(open, field, scene.voxel);
+  auto settings = polygonize_settings(open, scene.voxel);
   // Whole cells overlap the border, where the sheet is cut exactly.
   settings.region = settings.region.grown(scene.voxel);
   mesh::Mesh out = surface::polygonize(field, settings, progress);

@@ -53,8 +53,7 @@ void finish(const BuiltScene& scene, mesh::Mesh& mesh, bool tile, MeshResult& re
 
 }  // namespace
 
-surface::PolygonizeSettings polygonize_settings(const BuiltScene& scene, const field::CompiledField& field,
-                                                double voxel) {
+surface::PolygonizeSettings polygonize_settings(const BuiltScene& scene, double voxel) {
   surface::PolygonizeSettings settings;
   settings.voxel = voxel;
   settings.boundary = scene.boundary();
@@ -63,10 +62,9 @@ surface::PolygonizeSettings polygonize_settings(const BuiltScene& scene, const f
     settings.min_fragment_volume =
         std::max(settings.min_fragment_volume, least_piece * voxel * voxel * voxel);
   if (settings.boundary == surface::Boundary::solid) return settings;
-  settings.region = scene.terrain.box;
-  const Box3d bounds = field.bounds();
-  settings.region.lo.z = std::min(settings.region.lo.z, bounds.lo.z);
-  settings.region.hi.z = std::max(settings.region.hi.z, bounds.hi.z);
+  const Box3d all = Box3d::everything();
+  settings.region = {{scene.terrain.box.lo.x, scene.terrain.box.lo.y, all.lo.z},
+                     {scene.terrain.box.hi.x, scene.terrain.box.hi.y, all.hi.z}};
   if (const auto& inside = scene.terrain.inside)
     settings.inside = [inside](double x, double y) { return raster::sample_bilinear(*inside, x, y) > 0; };
   return settings;
@@ -151,8 +149,7 @@ MeshResult mesh_scene(const BuiltScene& scene, Progress& progress) {
   const field::CompiledField field = scene.field_for(scene.boundary());
   result.compile_seconds = now() - start;
   start = now();
-  result.mesh =
-      surface::polygonize(field, polygonize_settings(scene, field, scene.voxel), progress, &result.stats);
+  result.mesh = surface::polygonize(field, polygonize_settings(scene, scene.voxel), progress, &result.stats);
   result.polygonize_seconds = now() - start;
   finish_mesh(scene, result, progress);
   return result;
@@ -164,7 +161,7 @@ MeshResult mesh_scene_tiles(const BuiltScene& scene, int tiles, const surface::T
   double start = now();
   const field::CompiledField field = scene.field_for(scene.boundary());
   result.compile_seconds = now() - start;
-  auto settings = polygonize_settings(scene, field, scene.voxel);
+  auto settings = polygonize_settings(scene, scene.voxel);
   settings.tiles_x = settings.tiles_y = tiles;
   start = now();
   surface::polygonize_tiles(

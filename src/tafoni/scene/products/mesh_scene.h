@@ -20,8 +20,7 @@ struct MeshResult {
 };
 
 /// How the scene's surface is meshed on a lattice of cells of `voxel` metres.
-surface::PolygonizeSettings polygonize_settings(const BuiltScene& scene, const field::CompiledField& field,
-                                                double voxel);
+surface::PolygonizeSettings polygonize_settings(const BuiltScene& scene, double voxel);
 
 /// Polygonizes with the document's settings, colours by geology, slope and height, simplifies where asked.
 MeshResult mesh_scene(const BuiltScene& scene, Progress& progress = silent());

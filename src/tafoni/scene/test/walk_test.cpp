@@ -53,7 +53,7 @@ TEST_P(Walks, AreCompletedWithoutEnteringTheRock) {
   const BuiltScene scene =
       build(load_scene(std::string(TAFONI_SOURCE_DIR) + "/examples/" + expected.scene + ".toml"));
   const field::CompiledField field = scene.field_for(scene.boundary());
-  surface::PolygonizeSettings settings = polygonize_settings(scene, field, scene.voxel);
+  surface::PolygonizeSettings settings = polygonize_settings(scene, scene.voxel);
   settings.min_fragment_volume = 0;
   settings.normals = false;
   const query::FieldCollider ground(field, {.voxel = scene.voxel, .region = settings.region});

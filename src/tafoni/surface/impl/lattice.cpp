@@ -56,10 +56,10 @@ CellSet::Limits CellSet::limits(const Box3d& bounds, const PolygonizeSettings& s
            "the region to mesh has no end or is too large for a voxel of {} m: give a region", voxel);
   const Range x = cells_of(region.lo.x, region.hi.x, voxel, settings.boundary);
   const Range y = cells_of(region.lo.y, region.hi.y, voxel, settings.boundary);
-  // Where the region holds all there is, looking for a border would be in vain.
-  const double bottom = region.lo.z <= bounds.lo.z ? -most_cells * voxel : region.lo.z;
-  const double top = region.hi.z >= bounds.hi.z ? most_cells * voxel : region.hi.z;
-  const Range z = cells_of(bottom, top, voxel, settings.boundary);
+  // The field's bounds do not know how high or deep a function has surface.
+  const Box3d all = Box3d::everything();
+  const Box3d& ends = settings.region.empty() ? all : settings.region;
+  const Range z = cells_of(ends.lo.z, ends.hi.z, voxel, settings.boundary);
   return {{x.lo, y.lo, z.lo}, {x.hi, y.hi, z.hi}};
 }
 

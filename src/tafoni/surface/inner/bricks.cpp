@@ -65,7 +65,9 @@ struct BrickPolygonizer::State {
 };
 
 BrickPolygonizer::BrickPolygonizer(double voxel, const Box3d& region) : state_(std::make_unique<State>()) {
-  const Box3d wanted = region.bounded() ? region : Box3d{};
+  // How far cells reach does not count up and down.
+  const Box3d flat{{region.lo.x, region.lo.y, 0}, {region.hi.x, region.hi.y, 0}};
+  const Box3d wanted = !region.empty() && flat.bounded() ? flat : Box3d{};
   PolygonizeSettings settings;
   settings.voxel = voxel;
   const CellSet set(wanted, settings);

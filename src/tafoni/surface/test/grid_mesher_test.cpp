@@ -11,6 +11,7 @@
 
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/errors.h"
+#include "tafoni/core/test/rounds.h"
 #include "tafoni/math/draw.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/mesh/validate.h"
@@ -149,7 +150,7 @@ SampleBox edit_at_random(ScalarGrid& grid, Random& random) {
   }
 }
 
-/// 5,000 edits; every twentieth time all chunks are compared with a mesh made from nothing.
+/// Thousands of edits; every twentieth time all chunks are compared with a mesh made from nothing.
 void expect_local_equals_full(Precision precision, const GridMesherSettings& settings) {
   ScalarGrid grid = ground({{-7.3, 12.9, -4.4}, 0.6, {68, 40, 36}}, precision);
   GridMesher mesher(settings);
@@ -158,7 +159,7 @@ void expect_local_equals_full(Precision precision, const GridMesherSettings& set
   std::map<std::array<int, 3>, GridChunkPtr> held;
   const auto key = [](Vec3i c) { return std::array{c.x, c.y, c.z}; };
   for (Vec3i at : mesher.chunks()) held[key(at)] = mesher.chunk(at);
-  for (int step = 0; step < 5000; ++step) {
+  for (int step = 0; step < rounds(5000); ++step) {
     std::vector<SampleBox> boxes;
     for (std::uint64_t n = 0; n <= random.below(2); ++n) boxes.push_back(edit_at_random(grid, random));
     for (const auto& change : mesher.update(grid, boxes)) {

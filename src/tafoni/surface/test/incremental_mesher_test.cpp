@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <memory>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -291,6 +293,45 @@ TEST(Incremental, AChunkIsAMeshOfItsOwn) {
     triangles += mesh.triangles.size();
   }
   EXPECT_EQ(triangles, mesher.assemble().triangles.size());
+}
+
+TEST(Incremental, AChunkHasTheNormalsOfTheWholeInside) {
+  PolygonizeSettings settings;
+  settings.voxel = 0.7;
+  settings.boundary = Boundary::open;
+  settings.region = {{-45, -45, -60}, {45, 45, 60}};
+  // Facets agree with the field on hills, and do not at the rim of a ball that is cut out of them.
+  field::CloudBuilder ball({"sphere", 3, {}});
+  const Vec3d at{0, 0, 0};
+  field::add_point(ball, at, 9, 206);
+  IncrementalMesher mesher(settings);
+  mesher.update(field::compile(hills()), {});
+  const Box3d box = Box3d{at, at}.grown(18);
+  const field::CompiledField cut = field::compile(
+      field::combine("difference", {hills(), field::blend({field::constant(-200.f), ball.finish()})}));
+  mesher.update(cut, {&box, 1});
+  std::map<std::tuple<float, float, float>, Vec3f> whole;
+  const mesh::Mesh all = mesher.assemble();
+  for (std::size_t v = 0; v < all.positions.size(); ++v)
+    whole[{all.positions[v].x, all.positions[v].y, all.positions[v].z}] = all.normals[v];
+  int changed = 0;
+  for (Vec3i chunk : mesher.chunks()) {
+    const ChunkView mesh = mesher.chunk(chunk);
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      const Vec3f p = mesh.positions[v];
+      const auto on_border = [&](double x) {
+        return std::abs(std::remainder(x, settings.voxel * field::chunk_cells)) < 1e-4;
+      };
+      if (on_border(p.x) || on_border(p.y) || on_border(p.z)) continue;
+      EXPECT_EQ(mesh.normals[v], whole.at({p.x, p.y, p.z}));
+      const Vec3d at = to_double(p);
+      float value = 0;
+      Vec3f gradient;
+      cut.gradients({&at, 1}, {&value, 1}, {&gradient, 1});
+      changed += dot(mesh.normals[v], normalized(gradient)) > -0.98f;
+    }
+  }
+  EXPECT_GT(changed, 20);
 }
 
 TEST(Incremental, AfterACancelTheNextUpdateLooksAtEverything) {

@@ -144,6 +144,9 @@ TEST(FieldSource, RockHighAboveAnOpenTerrainIsMeshed) {
   const mesh::MeshMetrics m = mesh::metrics(polygonize(field, settings));
   EXPECT_EQ(m.components, 2u);
   EXPECT_NEAR(m.bounds.hi.z, HighBall::center.z + 8, 0.5);
+  // The region ends where it says.
+  settings.region.hi.z = 100;
+  EXPECT_EQ(mesh::metrics(polygonize(field, settings)).components, 1u);
 }
 
 /// A ball that fills a chunk with bricks to look at, and cancels when it is first asked.

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "tafoni/core/test/rounds.h"
 #include "tafoni/landforms/karst/passages.h"
 #include "tafoni/landforms/karst/percolation.h"
 #include "tafoni/landforms/test/flood.h"
@@ -149,7 +150,7 @@ TEST(Karst, NetworksAreOpenFromEndToEnd) {
 }
 
 TEST(Karst, LeavesNoClosedVoids) {
-  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+  for (int seed = 0; seed < rounds(12); ++seed) {
     Coast coast(beds);
     coast.site.seed = seed;
     const auto field = test::carved(coast.site, karst(coast.site, {{"radius", 2.0}, {"passage", 150.0}}));

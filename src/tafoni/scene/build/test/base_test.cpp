@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/test/heard_warnings.h"
 #include "tafoni/core/test/test_folder.h"
 #include "tafoni/mesh/metrics.h"
 #include "tafoni/scene/products/mesh_scene.h"
@@ -18,11 +19,6 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-struct HeardWarnings : Progress {
-  std::vector<std::string> said;
-  void on_warn(std::string_view sentence) override { said.emplace_back(sentence); }
-};
 
 /// Flat ground at 0, 80 m by 60 m, with strokes.
 class Flat : public ::testing::Test {

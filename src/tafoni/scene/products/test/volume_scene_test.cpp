@@ -13,6 +13,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/heard_warnings.h"
 #include "tafoni/core/test/test_folder.h"
 #include "tafoni/field/test/lattice.h"
 #include "tafoni/mesh/metrics.h"
@@ -247,6 +248,19 @@ TEST_F(VolumeScene, RockOnItsTopEndsThere) {
   EXPECT_GT(field.value(Vec3d{40, 40, 94.9} - scene.terrain.origin), 0);
   EXPECT_LT(field.value(Vec3d{40, 40, 95.1} - scene.terrain.origin), 0);
   EXPECT_LT(field.bounds().hi.z + scene.terrain.origin.z, 100);
+}
+
+TEST_F(VolumeScene, RockOnItsTopIsToldAndNoOther) {
+  for (const int rock_to : {95, 94, 90}) {
+    io::Volume volume{volume::ScalarGrid({{0, 0, 0}, 1, {40, 40, 96}}, 1), {0, 0, 0}, {}};
+    volume.grid.edit(volume.grid.samples(), [&](Vec3i first, std::span<float> row) {
+      std::fill(row.begin(), row.end(), first.z <= rock_to ? 1.0f : -1.0f);
+    });
+    io::write_volume(path("block.tvol"), volume);
+    HeardWarnings warnings;
+    build(volume_document(path("block.tvol")), warnings);
+    EXPECT_EQ(warnings.said.size(), rock_to == 95 ? 1u : 0u) << rock_to;
+  }
 }
 
 TEST_F(VolumeScene, AtPutsTheMiddleOfItsBox) {
