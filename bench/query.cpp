@@ -20,8 +20,12 @@
 
 #include "measure.h"
 #include "scene_s.h"
-#include <embree3/rtcore.h>
 #include <fmt/core.h>
+#if TAFONI_EMBREE >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
@@ -131,13 +135,17 @@ class Rays {
   Rays& operator=(const Rays&) = delete;
 
   double cast(const Place& p) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
     RTCRayHit ray{};
     const Vec3f at = to_float(p.at), d = to_float(p.direction);
     ray.ray = {at.x, at.y, at.z, 0, d.x, d.y, d.z, 0, static_cast<float>(ray_length), 0xffffffffu, 0, 0};
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+#if TAFONI_EMBREE >= 4
+    rtcIntersect1(scene_, &ray);
+#else
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
     rtcIntersect1(scene_, &context, &ray);
+#endif
     return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? -1.0 : ray.ray.tfar;
   }
 

@@ -25,11 +25,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 /// Sound inputs, which are mutated; a first corpus for libFuzzer.
 std::vector<std::string> fuzz_seeds();
 
+/// How often accepts() said yes.
+inline std::size_t accepted_inputs = 0;
+
 /// Whether `read` comes to its end. What it refuses is one error of the kinds given, and nothing else.
 template <class F>
 bool accepts(F&& read, std::initializer_list<tafoni::ErrorKind> refusals = {tafoni::ErrorKind::input}) {
   try {
     read();
+    ++accepted_inputs;
     return true;
   } catch (const tafoni::Error& error) {
     for (const tafoni::ErrorKind kind : refusals)
@@ -72,6 +76,7 @@ class FuzzFolder {
     std::filesystem::path file = path_ / name;
     std::ofstream out(file, std::ios::binary);
     out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    require(out.flush().good());
     return file;
   }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }

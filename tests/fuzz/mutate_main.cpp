@@ -1,5 +1,5 @@
 // Runs a fuzz target without libFuzzer: mutates its seeds a given number of times, the same way each run. An
-// input that ends the program is left in the file fuzz_input; sanitizers need abort_on_error=1 for that.
+// input that ends the program is left in the file TARGET.input; sanitizers need abort_on_error=1 for that.
 // usage: TARGET [COUNT [SEED]]
 
 #include <algorithm>
@@ -125,13 +125,27 @@ std::string mutated(std::string text, tafoni::Random& random, const std::vector<
   return text;
 }
 
-std::string input;
+std::string input, input_file;
 
 extern "C" void leave_input(int) {
-  const int file = ::open("fuzz_input", O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  const int file = ::open(input_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   const auto written = ::write(file, input.data(), input.size());
   ::close(file);
   ::_exit(written < 0 ? 2 : 1);
+}
+
+/// Sanitizers report what else may end a program, and abort then.
+void leave_input_at_signals() {
+  std::signal(SIGABRT, leave_input);
+#ifndef TAFONI_SANITIZED
+  static char stack[1 << 16];  // where the program's own is used up
+  const stack_t other{.ss_sp = stack, .ss_flags = 0, .ss_size = sizeof stack};
+  ::sigaltstack(&other, nullptr);
+  struct sigaction leave {};
+  leave.sa_handler = leave_input;
+  leave.sa_flags = SA_ONSTACK;
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL}) ::sigaction(signal, &leave, nullptr);
+#endif
 }
 
 }  // namespace
@@ -140,7 +154,8 @@ int main(int argc, char** argv) {
   const std::uint64_t count = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 100000;
   tafoni::Random random(argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1);
   const std::vector<std::string> seeds = fuzz_seeds();
-  std::signal(SIGABRT, leave_input);
+  input_file = std::filesystem::path(argv[0]).filename().string() + ".input";
+  leave_input_at_signals();
   std::vector<std::string> pool = seeds;
   std::size_t longest = 2000;
   for (const std::string& seed : seeds) longest = std::max(longest, 2 * seed.size());
@@ -151,6 +166,8 @@ int main(int argc, char** argv) {
             : random.below(2) ? mutated(pool[random.below(pool.size())], random, seeds)
                               : mutated(seeds[random.below(seeds.size())], random, seeds);
     LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
+    // Where nothing is ever read, a reader or a folder is missing.
+    if (i + 1 == seeds.size()) require(accepted_inputs > 0);
     // A pool that drifts away from the seeds reaches deeper than single mutations of them.
     if (input.size() < longest && random.below(4) == 0) {
       if (pool.size() < 500)

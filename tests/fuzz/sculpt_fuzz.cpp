@@ -69,7 +69,8 @@ class Sqlite {
       sqlite3_bind_text(statement, at, "", 0, SQLITE_STATIC);
     else if (field == "null")
       sqlite3_bind_null(statement, at);
-    else if (std::from_chars(field.data(), end, whole).ptr == end)
+    else if (const auto [at_end, code] = std::from_chars(field.data(), end, whole);
+             at_end == end && code == std::errc())
       sqlite3_bind_int64(statement, at, whole);
     else if (std::from_chars(field.data(), end, number).ptr == end)
       sqlite3_bind_double(statement, at, number);
@@ -91,7 +92,7 @@ void put_line(Sqlite& database, std::string_view line) {
   if (fields == 1) database.run("insert into state values (?)", {field[0]});
   if (fields == 2) {
     const std::string table(field[0]), name = "\"" + table + "\"";
-    if (table.find_first_of("\"\0") != std::string::npos) return;
+    if (table.find_first_of(std::string_view("\"\0", 2)) != std::string::npos) return;
     database.run((field[1] == "0" ? "delete from " + name : "drop table " + name).c_str());
   }
 }

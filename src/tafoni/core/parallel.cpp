@@ -12,14 +12,21 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#ifdef __SANITIZE_THREAD__
+#if defined(__SANITIZE_THREAD__)
+#define TAFONI_THREAD_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define TAFONI_THREAD_SANITIZER
+#endif
+#endif
+#ifdef TAFONI_THREAD_SANITIZER
 #include <sanitizer/tsan_interface.h>
 #endif
 
 namespace tafoni {
 namespace {
 
-#ifdef __SANITIZE_THREAD__
+#ifdef TAFONI_THREAD_SANITIZER
 /// ThreadSanitizer does not see into TBB's library, so it is told how work gets to the threads and back: what
 /// was done before a loop comes before each of its blocks, and each block before what follows the loop.
 /// Blocks are not put in an order with one another.

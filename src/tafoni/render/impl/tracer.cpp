@@ -4,10 +4,9 @@
 
 #include <cstring>
 
-#include <embree3/rtcore.h>
-
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/render/impl/embree.h"
 
 namespace tafoni::render::impl {
 namespace {
@@ -67,9 +66,7 @@ Tracer::Tracer(const mesh::Mesh& mesh, Progress& progress)
 
 Hit Tracer::closest(Vec3f from, Vec3f direction, float limit) const {
   RTCRayHit query = ray_of(from, direction, limit);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(scene_.get(), &context, &query);
+  intersect(scene_.get(), query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   return {query.ray.tfar, query.hit.primID, query.hit.u, query.hit.v,
           normalized(Vec3f{query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z})};
@@ -77,10 +74,7 @@ Hit Tracer::closest(Vec3f from, Vec3f direction, float limit) const {
 
 bool Tracer::blocked(Vec3f from, Vec3f direction, float limit) const {
   RTCRayHit query = ray_of(from, direction, limit);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(scene_.get(), &context, &query.ray);
-  return query.ray.tfar < 0;
+  return occluded(scene_.get(), query.ray);
 }
 
 }  // namespace tafoni::render::impl
