@@ -34,16 +34,6 @@ std::vector<Triangle> join_results(const std::vector<Patch>& patches) {
   return out;
 }
 
-/// The vertices of open edges.
-std::vector<bool> border_of(const Mesh& mesh) {
-  std::vector<bool> border(mesh.positions.size(), false);
-  inner::for_each_edge(mesh.triangles, mesh.positions.size(),
-                       [&](std::uint32_t a, std::uint32_t b, std::uint32_t forward, std::uint32_t backward) {
-                         if (forward + backward == 1) border[a] = border[b] = true;
-                       });
-  return border;
-}
-
 void collapse_all(const impl::Surface& surface, const impl::Ownership& ownership, std::vector<Patch>& patches,
                   double error, Progress& progress) {
   std::vector<std::size_t> unfinished;
@@ -152,7 +142,8 @@ Mesh simplify(const Mesh& mesh, const SimplifySettings& settings, Progress& prog
   SimplifyStats sums;
   sums.triangles_before = mesh.triangles.size();
   std::vector<Triangle> triangles = mesh.triangles;
-  const std::vector<bool> seam = settings.seams ? border_of(mesh) : std::vector<bool>{};
+  const std::vector<bool> seam =
+      settings.seams ? inner::on_border(mesh.triangles, mesh.positions.size()) : std::vector<bool>{};
   // The second round works on the first's seams; each may use half of the error.
   if (settings.error > 0)
     for (double shift : {0.0, 0.5})

@@ -18,6 +18,16 @@ using Triangle = std::array<std::uint32_t, 3>;
 template <class Body>
 void for_each_edge(std::span<const Triangle> triangles, std::size_t vertices, const Body& body);
 
+/// Which vertices lie on an open border, as flags.
+inline std::vector<bool> on_border(std::span<const Triangle> triangles, std::size_t vertices) {
+  std::vector<bool> out(vertices, false);
+  for_each_edge(triangles, vertices,
+                [&](std::uint32_t a, std::uint32_t b, std::uint32_t forward, std::uint32_t backward) {
+                  if (forward + backward == 1) out[a] = out[b] = true;
+                });
+  return out;
+}
+
 inline bool repeats_vertex(const Triangle& t) {
   return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
 }

@@ -4,12 +4,12 @@
 #include "tafoni/scene/products/predict.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
 #include "tafoni/field/chunks.h"
 #include "tafoni/math/whole.h"
+#include "tafoni/mesh/inner/topology.h"
 #include "tafoni/mesh/simplify.h"
 #include "tafoni/scene/products/mesh_scene.h"
 
@@ -85,29 +85,11 @@ double over_column(const mesh::Mesh& mesh, const Box3d& column) {
   return static_cast<double>(out);
 }
 
-/// Which vertices lie on the mesh's open border.
-std::vector<bool> on_border(const mesh::Mesh& mesh) {
-  std::vector<std::array<std::uint32_t, 2>> edges;
-  edges.reserve(3 * mesh.triangles.size());
-  for (const auto& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
-      edges.push_back({a, b});
-    }
-  std::sort(edges.begin(), edges.end());
-  std::vector<bool> out(mesh.positions.size());
-  for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
-    while (next < edges.size() && edges[next] == edges[i]) ++next;
-    if (next == i + 1) out[edges[i][0]] = out[edges[i][1]] = true;
-  }
-  return out;
-}
-
 /// The triangles of a simplified mesh over the column, by its vertices: two for each, or one on an open
 /// border, as Euler's formula has it. Where little is left, the triangles themselves reach from the column to
 /// where the mesh was cut, and would be as many as that has vertices.
 double simplified_over_column(const mesh::Mesh& mesh, const Box3d& column) {
-  const std::vector<bool> border = on_border(mesh);
+  const std::vector<bool> border = mesh::inner::on_border(mesh.triangles, mesh.positions.size());
   double out = 0;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const Vec3d p = to_double(mesh.positions[v]);
