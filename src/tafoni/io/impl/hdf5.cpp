@@ -26,8 +26,9 @@ namespace fs = std::filesystem;
 constexpr std::string_view hdf5_signature("\x89HDF\r\n\x1a\n", 8);
 /// The signature stands at the start, or at this place, or where twice, four times … as much came before.
 constexpr vsi_l_offset first_user_block = 512;
-/// GDAL's netCDF driver looks beyond the start in files whose names end so; no other driver does.
-constexpr const char* sought_in[] = {"nc", "nc4", "cdf"};
+/// GDAL 3.6.2 takes a file for HDF5's netCDF by these endings alone, with the signature at any such place for
+/// the first three, and at the first two for the others.
+constexpr const char* sought_in[] = {"nc", "nc4", "cdf", "nc3", "grd"};
 
 /// No model of terrain comes near to these; libraries that go through groups by recursion end at some depth.
 constexpr int deepest_group = 100;
