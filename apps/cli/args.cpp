@@ -146,9 +146,12 @@ void Args::apply() const {
 
 namespace {
 
+std::string help_of(const CLI::App& app) {
+  return app.get_name() == "tafoni" ? "tafoni --help" : "tafoni " + app.get_name() + " --help";
+}
+
 [[noreturn]] void unexpected(const CLI::App& app, const std::string& word) {
-  const std::string help =
-      app.get_name() == "tafoni" ? "tafoni --help" : "tafoni " + app.get_name() + " --help";
+  const std::string help = help_of(app);
   if (!word.starts_with('-')) fail(ErrorKind::usage, "unexpected argument \"{}\"; see {}", word, help);
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options())
@@ -160,10 +163,21 @@ namespace {
 }
 
 void check_command_name(int argc, const char* const* argv, const std::vector<Args*>& commands) {
-  if (argc < 2 || argv[1][0] == '-') return;
+  if (argc < 2) return;
   std::vector<std::string> names;
   for (const Args* args : commands) names.push_back(args->app()->get_name());
-  if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return;
+  const auto is_name = [&](const char* word) {
+    return std::find(names.begin(), names.end(), word) != names.end();
+  };
+  if (argv[1][0] == '-') {
+    for (const std::string_view own : {"-h", "--help", "--version"})
+      if (own == argv[1]) return;
+    const auto name = std::find_if(argv + 2, argv + argc, is_name);
+    if (name != argv + argc)
+      fail(ErrorKind::usage, "options stand after the command: tafoni {} {} …", *name, argv[1]);
+    fail(ErrorKind::usage, "{} needs a command before it; see tafoni --help", argv[1]);
+  }
+  if (is_name(argv[1])) return;
   const std::string near = nearest(argv[1], names);
   fail(ErrorKind::usage, "unknown command \"{}\"; {}", argv[1],
        near.empty() ? "see tafoni --help" : fmt::format("did you mean {}?", near));
@@ -176,8 +190,10 @@ void check_command_name(int argc, const char* const* argv, const std::vector<Arg
   std::string text = error.what();
   for (char& c : text)
     if (c == '\n') c = ' ';
-  if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
-    text += "; see tafoni " + app.get_name() + " --help";
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && text.find(" required ") != text.npos)
+    text = text.substr(0, text.find(':')) + " needs a value; see " + help_of(app);
+  else if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
+    text += "; see " + help_of(app);
   fail(ErrorKind::usage, "{}", text);
 }
 

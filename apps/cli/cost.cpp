@@ -84,7 +84,7 @@ void print_cost(const scene::BuiltScene& scene, const Work& work, Console& conso
     return;
   }
   std::string out = fmt::format(
-      "at a voxel of {:g} m, judged from {:.2g} % of the terrain:\n"
+      "at a voxel of {:g} m, judged from {:.3g} % of the terrain:\n"
       "triangles  about {}\nmemory     about {}, {} are free\n",
       p.voxel, 100 * p.share, with_commas(p.triangles), as_bytes(cost.memory), as_bytes(free_memory()));
   if (work.volumes.empty() || !work.meshes.empty())

@@ -50,8 +50,8 @@ constexpr const char* doc =
 constexpr const char* footer =
     "Results go to stdout; warnings to stderr, and progress too on a terminal or with --progress.\n"
     "Exit codes: 0 done; 1 internal error or out of memory; 2 wrong arguments or parameters; 3 an input\n"
-    "cannot be used; 4 a result cannot be written; 5 validate found a defect; 130 interrupted (nothing\n"
-    "half-written is left).";
+    "cannot be used; 4 a result cannot be written; 5 validate found a defect, or a walk of query did not\n"
+    "arrive or led through rock; 130 interrupted (nothing half-written is left).";
 
 struct Entry {
   std::unique_ptr<Args> args;

@@ -61,14 +61,31 @@ void SceneOptions::apply(scene::Document& document) const {
   if (seed) document.scene.seed = *seed;
   if (!boundary.empty()) document.scene.boundary = boundary;
   for (const std::string& assignment : set) scene::set(document, assignment);
-  scene::check(document, "the scene");
+  try {
+    scene::check(document, "the scene");
+  } catch (const Error& error) {
+    // What a file says was checked when it was read.
+    fail(ErrorKind::usage, "{}", error.what());
+  }
+}
+
+void SceneOptions::check_unused(const std::string& file) const {
+  const std::pair<const char*, bool> given[] = {
+      {"--set", !set.empty()},          {"--dem", !dem.empty()},
+      {"--window", !window.empty()},    {"--resolution", resolution.has_value()},
+      {"--voxel", voxel.has_value()},   {"--simplify", simplify.has_value()},
+      {"--boundary", !boundary.empty()}};
+  for (const auto& [name, is_given] : given)
+    if (is_given)
+      fail(ErrorKind::usage, "{}: a mesh is as it is; {} is for scenes, elevation models and volumes", file,
+           name);
 }
 
 void OutputOptions::declare(Args& args) {
   args.group("Output");
   args.texts("-o,--output", "FILE", files,
              "Mesh or volume to write, in the format of its extension; may be repeated");
-  args.text("--preview", "PNG", preview, "Picture of the mesh to write, a PNG");
+  args.text("--preview", "PICTURE", preview, "Picture of the mesh to write, PNG or JPG");
   args.text("--save-scene", "TOML", save_scene,
             "Scene file to write, which builds the same again, options included");
   args.text("--report", "JSON", report,

@@ -293,7 +293,8 @@ void make_outputs(const scene::BuiltScene& scene, const OutputOptions& outputs,
 void check_outputs(const scene::Document& document, const std::string& scene_file,
                    const OutputOptions& outputs, CommandFiles command) {
   if (!outputs.any())
-    fail(ErrorKind::usage, "nothing to write: give -o FILE, --preview PNG, --report JSON or --dry-run");
+    fail(ErrorKind::usage,
+         "nothing to write: give -o FILE, --preview PICTURE, --report JSON, --save-scene TOML or --dry-run");
   const Files files(outputs);
   if (files.volumes.empty() && (outputs.band || outputs.half || !outputs.values.empty()))
     fail(ErrorKind::usage, "--band, --half and --values are for volumes; give -o FILE.tvol or FILE.vdb");

@@ -30,7 +30,10 @@ struct SceneOptions {
   std::string boundary;
 
   void declare(Args& args);
+  /// Throws Error{usage} for what does not go together, wherever it came from.
   void apply(scene::Document& document) const;
+  /// Throws Error{usage} where one is given for a file that is no scene. Seeds are of use there, too.
+  void check_unused(const std::string& file) const;
 };
 
 /// What a build leaves behind.

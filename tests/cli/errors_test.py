@@ -25,7 +25,35 @@ class Errors(Case):
         self.fails(2, "did you mean", "generate", "cost", "-o", "a.tif")
         self.fails(2, "unknown parameter", "generate", "coast", "-o", "a.tif", "--set", "widht=3")
         self.fails(2, "must be 6 numbers, each -1000000000 to 1000000000, written as in 1,2,3,4,5,6, not", "render", "hill.asc", "--camera", "-1,2,3", "-o", "a.png")
+        self.fails(2, "options stand after the command: tafoni build --quiet", "--quiet", "build", "hill.asc")
+        self.fails(2, "-q needs a command before it", "-q")
+        self.fails(2, "--layer needs a value; see tafoni amplify --help", "amplify", "hill.asc", "-o", "a.glb", "-l")
+        self.fails(2, "are for layers; give -l LANDFORM", "amplify", "hill.asc", "--points", "no.csv", "-o", "a.glb")
+        self.fails(2, "has no pixels; it is column, row, width, height", "build", "hill.asc", "--window", "0,0,0,0", "-o", "a.glb")
+        self.fails(2, "leave out --azimuth", "render", "hill.asc", "--camera", "1,2,3,4,5,6", "--azimuth", "3", "-o", "a.png")
         self.assertEqual(self.files(), ["hill.asc"])
+
+    def test_a_mesh_takes_no_options_of_scenes(self):
+        (self.dir / "a.off").write_text("OFF\n4 4 0\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n")
+        for command in (["metrics"], ["query", "--points", "-"], ["query", "--walk", "1"], ["render", "-o", "a.png"]):
+            self.fails(2, "a mesh is as it is; --voxel is for scenes", command[0], "a.off", *command[1:], "--voxel", "1")
+
+    def test_a_layer_that_makes_nothing_says_so(self):
+        self.hill()
+        scene = "[terrain]\nsource = 'hill.asc'\n[[layer]]\ntype = 'sculpt'\nstrokes = 's.strokes'\n[[layer]]\n"
+        (self.dir / "s.strokes").write_text("paint at=40,40,50 radius=9 mask=region\n")
+        for more, says in (("type = 'hoodoos'\nmask = 'paint:regoin'\n", 'no stroke paints its mask "regoin"'),
+                           ("type = 'hoodoos'\nmask = 'paint:regoin'\n", "did you mean paint:region?"),
+                           ("type = 'sea-cliff'\nsea_level = 5000\n", "layer sea-cliff: it finds nothing to act on"),
+                           ("type = 'karst'\naltitude = [1000, 2000]\n", "it finds nothing to act on where it may act")):
+            (self.dir / "s.toml").write_text(scene + more)
+            done = run("build", "s.toml", "--dry-run", cwd=self.dir)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(says, done.stderr)
+        (self.dir / "s.toml").write_text(scene + "type = 'karst'\nmask = 'paint:'\n")
+        self.fails(3, "s.toml:6: mask = \"paint:\" names no mask", "build", "s.toml", "--dry-run")
+        (self.dir / "s.toml").write_text(scene + "type = 'heightfield'\ngenerator = 'foo'\n")
+        self.fails(3, "foo", "build", "s.toml", "--dry-run")
 
     def test_scenes_that_ask_for_too_much(self):
         scene = "[terrain]\ngenerator = 'plane'\n[[layer]]\ntype = 'tunnels'\n"
@@ -94,7 +122,7 @@ class Errors(Case):
 
     def test_outputs_are_checked_before_the_work(self):
         self.hill()
-        self.fails(4, "no/such/folder", "build", "hill.asc", "-o", "no/such/folder/a.glb")
+        self.fails(4, "there is no folder no/such/folder; make it", "build", "hill.asc", "-o", "no/such/folder/a.glb")
         self.fails(2, "a.xyz", "build", "hill.asc", "-o", "a.xyz")
         self.fails(2, "is an input of this command and would be overwritten", "amplify", "hill.asc", "--report", "hill.asc")
         self.fails(2, "asked for twice", "build", "hill.asc", "-o", "a.glb", "--report", "a.glb")

@@ -21,6 +21,8 @@ scene::Document document_of(const Amplify& a) {
   if (is_scene_file(a.dem))
     fail(ErrorKind::usage, "{}: is a scene; use tafoni build for scenes, amplify for elevation models",
          a.dem);
+  if (a.layers.empty() && !(a.region.empty() && a.points.empty()))
+    fail(ErrorKind::usage, "--region and --points are for layers; give -l LANDFORM");
   scene::Document document = open_document(a.dem);
   for (const std::string& type : a.geology) {
     document.geology.push_back({type, {}, 0});

@@ -156,19 +156,24 @@ bool is_volume(const std::string& file) {
 }
 
 /// The mesh in a mesh file, or the surface of a volume.
-mesh::Mesh mesh_of(const std::string& file, Console& console) {
-  if (is_volume(file)) return scene::mesh_scene(scene::build(open_document(file), console), console).mesh;
-  if (is_scene_file(file))
+mesh::Mesh mesh_of(const Options& o, Console& console) {
+  if (is_volume(o.file)) {
+    scene::Document document = open_document(o.file);
+    o.scene.apply(document);
+    return scene::mesh_scene(scene::build(document, console), console).mesh;
+  }
+  if (is_scene_file(o.file))
     fail(ErrorKind::usage, "{}: only --sgm measures a scene; give a mesh that `tafoni build` made of it",
-         file);
-  return io::read_mesh(file);
+         o.file);
+  o.scene.check_unused(o.file);
+  return io::read_mesh(o.file);
 }
 
 std::vector<scene::SgmMeasures> sgm(const Options& o, Console& console) {
   if (is_mesh_file(o.file) || is_volume(o.file)) {
     if (!o.details.empty() || !o.layer.empty())
       fail(ErrorKind::usage, "--details and --layer are for scenes; give a mesh or a volume --cube");
-    const mesh::Mesh mesh = mesh_of(o.file, console);
+    const mesh::Mesh mesh = mesh_of(o, console);
     const Vec3d size = mesh::metrics(mesh).bounds.size();
     return {scene::sgm_measures(mesh, o.cube.value_or(std::max({size.x, size.y, size.z}) / 100), console)};
   }
@@ -216,7 +221,7 @@ std::function<int(Console&)> setup(Args& args) {
     if (o->sgm) return run_sgm(*o, console);
     if (o->csv || o->cube || !o->details.empty() || !o->layer.empty())
       fail(ErrorKind::usage, "--details, --cube, --layer and --csv go with --sgm");
-    const mesh::MeshMetrics m = mesh::metrics(mesh_of(o->file, console));
+    const mesh::MeshMetrics m = mesh::metrics(mesh_of(*o, console));
     console.result(console.json() ? json_text(json_of(m)) : text_of(m));
     return 0;
   };

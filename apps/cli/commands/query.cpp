@@ -131,7 +131,9 @@ int run(const Query& q, Console& console) {
   for (const std::string& file : q.questions) inputs.emplace_back(file);
   inputs.emplace_back(q.points);
   std::optional<scene::Document> document;
-  if (!mesh) {
+  if (mesh) {
+    q.scene.check_unused(q.scene_file);
+  } else {
     document = open_document(q.scene_file);
     q.scene.apply(*document);
     const auto more = inputs_of(*document);
@@ -173,9 +175,10 @@ std::function<int(Console&)> setup(Args& args) {
   q->questions.resize(all_questions().size());
   for (std::size_t i = 0; i < q->questions.size(); ++i)
     args.text(all_questions()[i].flag, "CSV", q->questions[i], all_questions()[i].doc);
-  args.integer(
-      "--walk", "N", q->walks, 1, 1000000,
-      "Walks N random routes and tells how many metres deep in rock the walker was, which should be 0");
+  args.integer("--walk", "N", q->walks, 1, 1000000,
+               "Walks N random routes and tells how many arrived and how far the walker was within the "
+               "surface, which should "
+               "be 0; the field's figure beside it is no distance near caves");
   args.numbers("--walker", "RADIUS,HEIGHT,STEP,SLOPE", q->walker, 4,
                "Size of the walker of --walk, the highest step it climbs, in metres, and the steepest ground "
                "it stands "

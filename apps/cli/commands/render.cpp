@@ -93,6 +93,7 @@ mesh::Mesh geology_of(const Render& r, const scene::Document& document, render::
 mesh::Mesh mesh_of(const Render& r, render::RenderSettings& settings, Console& console) {
   if (is_mesh_file(r.input)) {
     if (r.geology) fail(ErrorKind::usage, "--geology: a mesh has no geology; give a scene");
+    r.scene.check_unused(r.input);
     check_output(r.output, {r.input});
     return io::read_mesh(r.input);
   }
@@ -111,10 +112,12 @@ mesh::Mesh mesh_of(const Render& r, render::RenderSettings& settings, Console& c
 }
 
 int run(const Render& r, Console& console) {
-  if (r.output.empty()) fail(ErrorKind::usage, "render needs -o PNG, the picture to write");
+  if (r.output.empty()) fail(ErrorKind::usage, "render needs -o PICTURE to write, a .png or .jpg");
   io::format_of(r.output, io::Ability::write_image);
   render::RenderSettings settings = settings_of(r);
   if (!r.cut.empty() && !r.geology) fail(ErrorKind::usage, "--cut: needs --geology");
+  if (!r.camera.empty() && (r.azimuth || r.elevation))
+    fail(ErrorKind::usage, "--camera says where to look from; leave out --azimuth and --elevation");
   if (r.geology && r.is_inside) fail(ErrorKind::usage, "--geology and --inside exclude each other");
   double start = now();
   const auto lap = [&start] { return now() - std::exchange(start, now()); };
@@ -148,7 +151,7 @@ std::function<int(Console&)> setup(Args& args) {
   auto r = std::make_shared<Render>();
   args.positional("SCENE|MESH", r->input,
                   "Path of a scene file (.toml), an elevation model, a volume or a mesh");
-  args.text("-o,--output", "PNG", r->output, "Picture to write, a PNG");
+  args.text("-o,--output", "PICTURE", r->output, "Picture to write, PNG or JPG");
   args.group("View");
   args.numbers("--camera", "EX,EY,EZ,TX,TY,TZ", r->camera, 6,
                "Places of the eye and of what it looks at, in the scene's CRS; default: outside, where all "

@@ -122,7 +122,9 @@ int run(const Sculpt& s, Console& console) {
   const bool builds = s.outputs.any();
   if (!changes && !builds && !s.list && !s.all && s.write.empty())
     fail(ErrorKind::usage,
-         "nothing to do: give --stroke, --strokes, --undo, --redo, --mute, --unmute, --list or --write");
+         "nothing to do: give --stroke, --strokes, --undo, --redo, --go-to, --mute, --unmute, --list, --all, "
+         "--write "
+         "or -o FILE");
   const auto strokes = strokes_of(s);
   scene::Session session = scene::Session::open(s.scene_file);
   const std::size_t layer = layer_of(s, session);

@@ -43,6 +43,9 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
   // A link stays a link: what it points at is replaced.
   target_ = follow_links(target_);
   const std::filesystem::path folder = target_.has_parent_path() ? target_.parent_path() : ".";
+  if (!std::filesystem::exists(folder, ignored))
+    fail(ErrorKind::output, "cannot write {}: there is no folder {}; make it, or give another path.",
+         target_.string(), folder.string());
   impl::clear_left_over(folder);
   fd_ = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
   if (fd_ >= 0 && !std::filesystem::exists(path_of(fd_), ignored)) {

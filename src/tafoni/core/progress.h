@@ -30,7 +30,12 @@ class Progress {
   }
   void end() { on_end(); }
   /// Something the user should know although the work goes on.
-  void warn(std::string_view sentence) { on_warn(sentence); }
+  void warn(std::string_view sentence) {
+    warned_.fetch_add(1, std::memory_order_relaxed);
+    on_warn(sentence);
+  }
+  /// How many warnings there were.
+  std::uint64_t warned() const { return warned_.load(std::memory_order_relaxed); }
 
   /// Safe in a signal handler.
   void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
@@ -46,7 +51,7 @@ class Progress {
   virtual void on_warn(std::string_view) {}
 
  private:
-  std::atomic<std::uint64_t> done_{0};
+  std::atomic<std::uint64_t> done_{0}, warned_{0};
   std::atomic<bool> cancelled_{false};
   static_assert(std::atomic<bool>::is_always_lock_free);
 };

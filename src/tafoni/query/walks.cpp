@@ -66,8 +66,11 @@ Routes find_start(const Collider& ground, const Box3d& box, const WalkSettings& 
     if (routes.places().size() >= enough) return routes;
   }
   fail(ErrorKind::input,
-       "no place {}was found from which a walker can reach others: give another box or a smaller walker",
-       settings.roofed ? "under rock " : "");
+       "no place {}was found from which a walker can reach others: {}give it another part of the terrain, or "
+       "a "
+       "smaller walker (--walker)",
+       settings.roofed ? "under rock " : "",
+       settings.roofed ? "let it start in the open, too (--anywhere), " : "");
 }
 
 double length_of(const std::vector<Vec3d>& way) {

@@ -85,8 +85,10 @@ struct Session::State {
     for (const Stroke& stroke : strokes) {
       const impl::Slot slot{std::make_shared<Stroke>(parse_stroke(to_text(stroke), "stroke")), false};
       if (impl::strokes_beside(*trial.cook({&slot, 1}, frame).value, over).count > 0)
-        fail(ErrorKind::usage, "the stroke \"{}\" lies outside of {}; give its points in the scene's CRS",
-             shown_stroke(stroke), impl::terrain_place(terrain));
+        fail(ErrorKind::usage,
+             "the stroke \"{}\" lies outside of {}, or more than {:g} km below it; give its points in the "
+             "scene's CRS",
+             shown_stroke(stroke), impl::terrain_place(terrain), impl::deepest_base / 1000);
     }
   }
 

@@ -150,6 +150,10 @@ class Cave {
 
   Result carve() {
     const auto mouth = this->mouth();
+    if (!mouth && !p_.rule.empty()) {
+      grammar::Assembly trial;  // says what is wrong with the rules, wherever a cave may be
+      impl::derive(trial, p_, nullptr, progress_);
+    }
     if (!mouth)
       return nothing(p_.at.empty()
                          ? "no hillside rises high enough over level ground; give its entrance as at"
@@ -294,6 +298,8 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   if (p.spread[0] > p.spread[1])
     fail(ErrorKind::usage, "grammar-cave: spread must not begin with the greater number");
   for (const std::string& name : words(p.solid_names)) grammar::find_solid(name);
+  if (words(p.solid_names).empty())
+    fail(ErrorKind::usage, "grammar-cave: solids names none; see `tafoni list solids`");
   if (p.size > 0 && p.size < 0.05)
     fail(ErrorKind::usage, "grammar-cave: size = {:g} is outside 0.05 to 1000 m; 0 lets the layer choose",
          p.size);

@@ -89,6 +89,7 @@ std::shared_ptr<const raster::Raster> second_model(const Site& site, const Param
 Result generate(const Site& site, const Values& values, Progress& progress) {
   Params p;
   assign(table().infos(), &p, values, "heightfield");
+  terrain::find_generator(p.generator);
   progress.check();
   const Ground ground(site);
   Result result;

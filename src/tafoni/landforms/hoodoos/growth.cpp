@@ -142,8 +142,14 @@ void GrowthRules::read_argument(Scanner& text, Term& term, std::string_view of) 
     } else {
       known.insert(known.end(), std::begin(inherited), std::end(inherited));
     }
+    if (given.empty())
+      text.error(column, fmt::format("{}( is to be closed, or an argument is to be named", of));
+    // A kind may have a turn of its own.
+    std::vector<std::string> once;
+    for (const std::string& k : known)
+      if (std::find(once.begin(), once.end(), k) == once.end()) once.push_back(k);
     std::string all;
-    for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
+    for (const std::string& k : once) all += (all.empty() ? "" : ", ") + k;
     text.error(column, fmt::format("{} has no argument \"{}\"; it has {}", of, given, all));
   }
   text.expect("=");

@@ -233,6 +233,9 @@ void check(const Document& document, std::string_view where) {
   for (const Layer& layer : document.layers) {
     const LayerSettings& s = layer.settings;
     const std::string at = layer.line > 0 ? fmt::format("{}:{}", where, layer.line) : std::string(where);
+    if (s.mask == "paint:")
+      fail(ErrorKind::input,
+           "{}: mask = \"paint:\" names no mask; write one that strokes paint, as paint:region", at);
     if (!s.altitude.empty() && s.altitude[0] > s.altitude[1])
       fail(ErrorKind::input, "{}: altitude = {} of layer {} has its ends swapped", at, to_toml(s.altitude),
            layer.type);

@@ -265,7 +265,7 @@ Document parse_scene(std::string_view text, const std::filesystem::path& file) {
     root = toml::parse(text);
   } catch (const toml::parse_error& error) {
     fail(ErrorKind::input, "{}: is not valid TOML: {}", place(file, error.source()),
-         shown(error.description()));
+         shown(error.description(), 300));
   }
   static const std::vector<ParamInfo> none;
   static const std::vector<std::string> known = {"scene", "terrain", "geology", "layer"};

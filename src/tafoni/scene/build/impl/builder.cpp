@@ -61,6 +61,16 @@ Below below_next(const Keyed<Below>& below, const Keyed<landforms::Result>& made
   return out;
 }
 
+/// Strokes may come later; what else makes nothing was not meant to.
+void warn_of_nothing(const Layer& layer, const landforms::Result& made, Progress& progress) {
+  if (made.reshape || !made.nodes.empty() || find_layer_type(layer.type).takes_strokes) return;
+  const LayerSettings& s = layer.settings;
+  const bool limited = !(s.region.empty() && s.mask.empty() && s.altitude.empty() && s.box.empty());
+  progress.warn(fmt::format(
+      "layer {}: it finds nothing to act on{}, and makes nothing; `tafoni list {}` says what it looks for",
+      shown_name(layer), limited ? " where it may act" : "", layer.type));
+}
+
 /// A layer's own words, without those that do not change what it makes.
 Layer words_of(Layer layer) {
   layer.settings.name.clear();
@@ -162,7 +172,14 @@ Keyed<RegionPtr> Builder::region_of(const Stage& stage, const Layer& layer, Prog
       const auto more = stage.slots(stage.document, other);
       strokes.insert(strokes.end(), more.begin(), more.end());
     }
-    limits.painted = {paint_strokes(strokes, name), {stage.ground.value.terrain.heights, stage.ground.key}};
+    PaintStrokes paint = paint_strokes(strokes, name);
+    if (paint.strokes.empty()) {
+      const std::string near = nearest(name, painted_masks(strokes));
+      progress.warn(fmt::format("layer {}: no stroke paints its mask \"{}\", so that it makes nothing{}",
+                                shown_name(layer), name,
+                                near.empty() ? "" : fmt::format("; did you mean paint:{}?", near)));
+    }
+    limits.painted = {std::move(paint), {stage.ground.value.terrain.heights, stage.ground.key}};
   } else {
     limits.mask = file(stage.document, s.mask);
   }
@@ -212,6 +229,7 @@ void Builder::build_layers(Stage& stage) {
     const Layer& layer = document.layers[i];
     if (!layer.settings.enabled) continue;
     const Stopwatch watch;
+    const std::uint64_t warned = stage.readers.progress.warned();
     try {
       stage.layers.push_back(build_layer(stage, i));
     } catch (const Error& error) {
@@ -226,6 +244,8 @@ void Builder::build_layers(Stage& stage) {
     const BuiltLayer& made = stage.layers.back();
     warn_of_layer_beside(stage.below.value.terrain, shown_name(layer), made.made.value, made.region.get(),
                          stage.readers.progress);
+    if (stage.readers.progress.warned() == warned && !made.reused)
+      warn_of_nothing(layer, made.made.value, stage.readers.progress);
     const double seconds = watch.seconds();
     stage.results.push_back({shown_name(layer), layer.type, made.made.value, seconds, made.reused});
     stage.seconds.emplace_back(shown_name(layer), seconds);

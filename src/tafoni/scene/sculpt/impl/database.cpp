@@ -21,7 +21,7 @@ namespace tafoni::scene::impl {
       fail(ErrorKind::output, "{}: cannot be written or read ({}); check the disk's space and health", name,
            detail);
     case SQLITE_NOTADB:
-      fail(ErrorKind::input, "{}: is no sculpt journal; check the layer's journal key", name);
+      fail(ErrorKind::input, "{}: is no sculpt journal; check the path, or the layer's journal key", name);
     case SQLITE_CORRUPT:
       fail(ErrorKind::input, "{}: is damaged ({}); restore it from a copy, or see tafoni journal", name,
            detail);

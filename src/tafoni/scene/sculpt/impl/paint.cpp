@@ -67,6 +67,15 @@ void add_part(Digest& to, const PaintStrokes& paint) {
   for (const auto& stroke : paint.strokes) to.add(std::string_view(to_text(*stroke)));
 }
 
+std::vector<std::string> painted_masks(std::span<const Slot> slots) {
+  std::vector<std::string> out;
+  for (const Slot& slot : slots) {
+    const BrushType& brush = find_brush(slot.stroke->brush);
+    if (!slot.muted && brush.paint) out.push_back(brush.paint(*slot.stroke).mask);
+  }
+  return out;
+}
+
 PaintStrokes paint_strokes(std::span<const Slot> slots, std::string_view name) {
   PaintStrokes out;
   for (const Slot& slot : slots) {

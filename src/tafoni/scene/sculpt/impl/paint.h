@@ -27,6 +27,8 @@ struct PaintStrokes {
 /// Strokes count by what they say.
 void add_part(Digest& to, const PaintStrokes& paint);
 
+/// The masks that strokes paint which are not muted.
+std::vector<std::string> painted_masks(std::span<const Slot> slots);
 /// The strokes that paint the mask `name` and are not muted.
 PaintStrokes paint_strokes(std::span<const Slot> slots, std::string_view name);
 

@@ -283,7 +283,7 @@ TEST_F(JournalFile, RefusesWhatIsNoJournal) {
   sqlite3_close(db);
   EXPECT_THAT(failure([&] { Journal::open_or_create(root / "other"); }), HasSubstr("is no sculpt journal"));
   EXPECT_THAT(failure([&] { Journal::open_or_create(root / "no folder" / "j"); }),
-              HasSubstr("No such file or directory"));
+              HasSubstr("there is no folder"));
 }
 
 TEST_F(JournalFile, AFileOfNoBytesIsANewOne) {
