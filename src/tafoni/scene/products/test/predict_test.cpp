@@ -45,7 +45,7 @@ TEST(Prediction, OfASimplifiedOneIsNear) {
   // Of a plane little but its border is left, and what the seams of patches leave, which is not foreseen.
   const std::string plane =
       "[scene]\nvoxel = 1\nboundary = \"open\"\nsimplify = 0.5\n"
-      "[terrain]\ngenerator = \"plane\"\nwidth = 1000\nheight = 1000\n";
+      "[terrain]\ngenerator = \"plane\"\nwidth = 700\nheight = 700\n";
   EXPECT_NEAR(triangles_off(plane), 0, 0.35);
 }
 
