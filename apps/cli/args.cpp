@@ -170,8 +170,11 @@ void check_command_name(int argc, const char* const* argv, const std::vector<Arg
     return std::find(names.begin(), names.end(), word) != names.end();
   };
   if (argv[1][0] == '-') {
-    for (const std::string_view own : {"-h", "--help", "--version"})
-      if (own == argv[1]) return;
+    const std::vector<std::string> own = {"-h", "--help", "--version"};
+    if (std::find(own.begin(), own.end(), argv[1]) != own.end()) return;
+    const bool is_long = std::string_view(argv[1]).starts_with("--");
+    if (const std::string near = is_long ? nearest(argv[1], own) : std::string(); !near.empty())
+      fail(ErrorKind::usage, "unknown option {}; did you mean {}?", argv[1], near);
     const auto name = std::find_if(argv + 2, argv + argc, is_name);
     if (name != argv + argc)
       fail(ErrorKind::usage, "options stand after the command: tafoni {} {} …", *name, argv[1]);
@@ -190,10 +193,12 @@ void check_command_name(int argc, const char* const* argv, const std::vector<Arg
   std::string text = error.what();
   for (char& c : text)
     if (c == '\n') c = ' ';
-  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && text.find(" required ") != text.npos)
-    text = text.substr(0, text.find(':')) + " needs a value; see " + help_of(app);
-  else if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
-    text += "; see " + help_of(app);
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
+    const std::string option = text.substr(0, text.find(':'));
+    if (text.ends_with(" missing")) text = option + " needs a value; see " + help_of(app);
+    if (text.find("At Most") != text.npos) text = option + " is given more than once; leave one";
+  }
+  if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) text += "; see " + help_of(app);
   fail(ErrorKind::usage, "{}", text);
 }
 

@@ -69,12 +69,12 @@ void SceneOptions::apply(scene::Document& document) const {
   }
 }
 
-void SceneOptions::check_unused(const std::string& file) const {
+void SceneOptions::check_unused(const std::string& file, bool seed_counts) const {
   const std::pair<const char*, bool> given[] = {
-      {"--set", !set.empty()},          {"--dem", !dem.empty()},
-      {"--window", !window.empty()},    {"--resolution", resolution.has_value()},
-      {"--voxel", voxel.has_value()},   {"--simplify", simplify.has_value()},
-      {"--boundary", !boundary.empty()}};
+      {"--set", !set.empty()},           {"--dem", !dem.empty()},
+      {"--window", !window.empty()},     {"--resolution", resolution.has_value()},
+      {"--voxel", voxel.has_value()},    {"--simplify", simplify.has_value()},
+      {"--boundary", !boundary.empty()}, {"--seed", seed.has_value() && !seed_counts}};
   for (const auto& [name, is_given] : given)
     if (is_given)
       fail(ErrorKind::usage, "{}: a mesh is as it is; {} is for scenes, elevation models and volumes", file,

@@ -32,8 +32,8 @@ struct SceneOptions {
   void declare(Args& args);
   /// Throws Error{usage} for what does not go together, wherever it came from.
   void apply(scene::Document& document) const;
-  /// Throws Error{usage} where one is given for a file that is no scene. Seeds are of use there, too.
-  void check_unused(const std::string& file) const;
+  /// Throws Error{usage} where one is given for a mesh, but for the seed where it counts.
+  void check_unused(const std::string& file, bool seed_counts = false) const;
 };
 
 /// What a build leaves behind.

@@ -27,6 +27,8 @@ class Errors(Case):
         self.fails(2, "must be 6 numbers, each -1000000000 to 1000000000, written as in 1,2,3,4,5,6, not", "render", "hill.asc", "--camera", "-1,2,3", "-o", "a.png")
         self.fails(2, "options stand after the command: tafoni build --quiet", "--quiet", "build", "hill.asc")
         self.fails(2, "-q needs a command before it", "-q")
+        self.fails(2, "--voxel is given more than once", "build", "hill.asc", "-o", "a.glb", "--voxel", "1", "--voxel", "2")
+        self.fails(2, "unknown option --versoin; did you mean --version?", "--versoin")
         self.fails(2, "--layer needs a value; see tafoni amplify --help", "amplify", "hill.asc", "-o", "a.glb", "-l")
         self.fails(2, "are for layers; give -l LANDFORM", "amplify", "hill.asc", "--points", "no.csv", "-o", "a.glb")
         self.fails(2, "has no pixels; it is column, row, width, height", "build", "hill.asc", "--window", "0,0,0,0", "-o", "a.glb")
@@ -42,7 +44,7 @@ class Errors(Case):
         self.hill()
         scene = "[terrain]\nsource = 'hill.asc'\n[[layer]]\ntype = 'sculpt'\nstrokes = 's.strokes'\n[[layer]]\n"
         (self.dir / "s.strokes").write_text("paint at=40,40,50 radius=9 mask=region\n")
-        for more, says in (("type = 'hoodoos'\nmask = 'paint:regoin'\n", 'no stroke paints its mask "regoin"'),
+        for more, says in (("type = 'hoodoos'\nmask = 'paint:regoin'\n", 'no stroke that acts paints its mask "regoin"'),
                            ("type = 'hoodoos'\nmask = 'paint:regoin'\n", "did you mean paint:region?"),
                            ("type = 'sea-cliff'\nsea_level = 5000\n", "layer sea-cliff: it finds nothing to act on"),
                            ("type = 'karst'\naltitude = [1000, 2000]\n", "it finds nothing to act on where it may act")):
@@ -52,7 +54,7 @@ class Errors(Case):
             self.assertIn(says, done.stderr)
         (self.dir / "s.toml").write_text(scene + "type = 'karst'\nmask = 'paint:'\n")
         self.fails(3, "s.toml:6: mask = \"paint:\" names no mask", "build", "s.toml", "--dry-run")
-        (self.dir / "s.toml").write_text(scene + "type = 'heightfield'\ngenerator = 'foo'\n")
+        (self.dir / "s.toml").write_text(scene + "type = 'heightfield'\naltitude = [1000, 2000]\ngenerator = 'foo'\n")
         self.fails(3, "foo", "build", "s.toml", "--dry-run")
 
     def test_scenes_that_ask_for_too_much(self):

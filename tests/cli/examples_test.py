@@ -14,7 +14,7 @@ class Examples(Case):
             own = float(re.search(r"^voxel = ([0-9.]+)", example.read_text(), re.M).group(1))
             # Sanitized programs, a tenth as fast, build coarser ones.
             coarse = 4 * float(os.environ.get("TAFONI_COARSER", 1))
-            self.passes("build", example, "--voxel", max(coarse, coarse * own), "--boundary", "solid", "-o", "a.glb")
+            self.passes("build", example, "--voxel", max(4, coarse * own), "--boundary", "solid", "-o", "a.glb")
             self.passes("validate", "a.glb", "--closed")
 
     def test_volumes_of_examples_are_what_their_commands_make(self):

@@ -27,6 +27,8 @@ std::vector<std::string> fuzz_seeds();
 
 /// How often accepts() said yes.
 inline std::size_t accepted_inputs = 0;
+/// False where this build cannot make a sound seed.
+inline bool sound_seeds = true;
 
 /// Whether `read` comes to its end. What it refuses is one error of the kinds given, and nothing else.
 template <class F>

@@ -9,7 +9,8 @@ std::vector<std::string> fuzz_seeds() {
                                   written_volume("vdb", Precision::single, {40, 8, 8}, 30),
                                   written_volume("vdb", Precision::single, {16, 8, 8}, 0)};
   // A build without OpenVDB writes none: the beginning of one.
-  if (out[0].empty()) out = {std::string(" BDV\0\0\0\0\xe0\0\0\0", 12) + std::string(60, '\0')};
+  sound_seeds = !out[0].empty();
+  if (!sound_seeds) out = {std::string(" BDV\0\0\0\0\xe0\0\0\0", 12) + std::string(60, '\0')};
   return out;
 }
 

@@ -37,7 +37,7 @@ inline std::string written_volume(const std::string& extension, tafoni::volume::
   volume.grid.compact();
   const FuzzFolder folder;
   const std::filesystem::path path = folder / ("a." + extension);
-  if (!accepts([&] { io::write_volume(path, volume); }, {ErrorKind::usage})) return {};
+  if (!accepts([&] { io::write_volume(path, volume); }, {ErrorKind::usage, ErrorKind::output})) return {};
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }

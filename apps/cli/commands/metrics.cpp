@@ -165,7 +165,7 @@ mesh::Mesh mesh_of(const Options& o, Console& console) {
   if (is_scene_file(o.file))
     fail(ErrorKind::usage, "{}: only --sgm measures a scene; give a mesh that `tafoni build` made of it",
          o.file);
-  o.scene.check_unused(o.file);
+  if (is_mesh_file(o.file)) o.scene.check_unused(o.file);
   return io::read_mesh(o.file);
 }
 

@@ -132,7 +132,7 @@ int run(const Query& q, Console& console) {
   inputs.emplace_back(q.points);
   std::optional<scene::Document> document;
   if (mesh) {
-    q.scene.check_unused(q.scene_file);
+    q.scene.check_unused(q.scene_file, q.walks.has_value());
   } else {
     document = open_document(q.scene_file);
     q.scene.apply(*document);

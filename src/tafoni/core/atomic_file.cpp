@@ -43,7 +43,7 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
   // A link stays a link: what it points at is replaced.
   target_ = follow_links(target_);
   const std::filesystem::path folder = target_.has_parent_path() ? target_.parent_path() : ".";
-  if (!std::filesystem::exists(folder, ignored))
+  if (std::filesystem::status(folder, ignored).type() == std::filesystem::file_type::not_found)
     fail(ErrorKind::output, "cannot write {}: there is no folder {}; make it, or give another path.",
          target_.string(), folder.string());
   impl::clear_left_over(folder);

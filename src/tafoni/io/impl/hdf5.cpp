@@ -62,7 +62,7 @@ struct Hdf5Handle {
   const hid_t id;
 };
 
-enum Visit : herr_t { unreadable = -1, next = 0, elsewhere = 1, entangled = 2 };
+enum Visit : herr_t { unreadable = -1, next = 0, elsewhere = 1, entangled = 2, crowded = 3 };
 
 /// Goes through a file group by group. H5Lvisit() does so by recursion, as deep as a file may want.
 class Hdf5Walk {
@@ -102,8 +102,9 @@ class Hdf5Walk {
     H5O_info_t info;
     if (object.id < 0 || H5Oget_info2(object.id, &info, H5O_INFO_BASIC) < 0) return unreadable;
     const bool is_new = seen_.insert(info.addr).second;
+    if (seen_.size() > most_objects) return crowded;
     if (info.type == H5O_TYPE_GROUP) {
-      if (!is_new || depth_ == deepest_group || seen_.size() > most_objects) return entangled;
+      if (!is_new || depth_ == deepest_group) return entangled;
       groups_.push_back({info.addr, depth_ + 1});
     }
     if (info.type != H5O_TYPE_DATASET || !is_new) return next;
@@ -148,6 +149,10 @@ void check_hdf5(const fs::path& path) {
   if (found == entangled)
     fail(ErrorKind::input, "{} has groups within groups without end, or one in two places; write it anew.",
          path.string());
+  if (found == crowded)
+    fail(ErrorKind::input,
+         "{} holds more than {} objects; write the one that is wanted into a file of its own.", path.string(),
+         most_objects);
   if (found == unreadable)
     fail(ErrorKind::input,
          "{} is an HDF5 file that cannot be looked through: it is damaged, newer than this program's "

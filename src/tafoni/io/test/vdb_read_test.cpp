@@ -224,7 +224,7 @@ TEST_F(VdbRead, EachShorterFileGivesASentence) {
       bad[random.below(i % 2 ? 1500 : bad.size())] = static_cast<char>(random.below(256));
       sentences.insert(said(bad));
     }
-    EXPECT_GT(sentences.size(), 5u);
+    EXPECT_GT(std::ssize(sentences), rounds(200) / 40);
   }
 }
 

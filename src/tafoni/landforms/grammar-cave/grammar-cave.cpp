@@ -298,7 +298,7 @@ Result generate(const Site& site, const Values& values, Progress& progress) {
   if (p.spread[0] > p.spread[1])
     fail(ErrorKind::usage, "grammar-cave: spread must not begin with the greater number");
   for (const std::string& name : words(p.solid_names)) grammar::find_solid(name);
-  if (words(p.solid_names).empty())
+  if (p.rule.empty() && words(p.solid_names).empty())
     fail(ErrorKind::usage, "grammar-cave: solids names none; see `tafoni list solids`");
   if (p.size > 0 && p.size < 0.05)
     fail(ErrorKind::usage, "grammar-cave: size = {:g} is outside 0.05 to 1000 m; 0 lets the layer choose",

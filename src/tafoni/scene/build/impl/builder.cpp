@@ -61,14 +61,26 @@ Below below_next(const Keyed<Below>& below, const Keyed<landforms::Result>& made
   return out;
 }
 
-/// Strokes may come later; what else makes nothing was not meant to.
-void warn_of_nothing(const Layer& layer, const landforms::Result& made, Progress& progress) {
-  if (made.reshape || !made.nodes.empty() || find_layer_type(layer.type).takes_strokes) return;
+void warn_of_nothing(const Layer& layer, Progress& progress) {
   const LayerSettings& s = layer.settings;
   const bool limited = !(s.region.empty() && s.mask.empty() && s.altitude.empty() && s.box.empty());
+  const auto all = landforms::all_landforms();
+  const bool landform = std::any_of(all.begin(), all.end(), [&](const landforms::LandformType* type) {
+    return type->about.name == layer.type;
+  });
+  progress.warn(
+      fmt::format("layer {}: it finds nothing to act on{}, and makes nothing{}", shown_name(layer),
+                  limited ? " where it may act" : "",
+                  landform ? fmt::format("; `tafoni list {}` says what it looks for", layer.type) : ""));
+}
+
+void warn_of_mask(const Layer& layer, std::string_view mask, const std::vector<Slot>& strokes,
+                  Progress& progress) {
+  if (!paint_strokes(strokes, mask).strokes.empty()) return;
+  const std::string near = nearest(mask, painted_masks(strokes));
   progress.warn(fmt::format(
-      "layer {}: it finds nothing to act on{}, and makes nothing; `tafoni list {}` says what it looks for",
-      shown_name(layer), limited ? " where it may act" : "", layer.type));
+      "layer {}: no stroke that acts paints its mask \"{}\", so that it makes nothing{}", shown_name(layer),
+      mask, near.empty() ? "" : fmt::format("; did you mean paint:{}?", near)));
 }
 
 /// A layer's own words, without those that do not change what it makes.
@@ -94,6 +106,17 @@ struct Builder::Stage {
   std::vector<BuiltLayer> layers;
   std::vector<LayerResult> results;
   std::vector<std::pair<std::string, double>> seconds;
+
+  /// Of all layers that act.
+  std::vector<Slot> strokes() const {
+    std::vector<Slot> out;
+    for (const Layer& layer : document.layers) {
+      if (!find_layer_type(layer.type).takes_strokes || !layer.settings.enabled) continue;
+      const auto more = slots(document, layer);
+      out.insert(out.end(), more.begin(), more.end());
+    }
+    return out;
+  }
 };
 
 Built Builder::build(const Document& document, const SlotSource& slots, Progress& progress) {
@@ -166,20 +189,8 @@ Keyed<RegionPtr> Builder::region_of(const Stage& stage, const Layer& layer, Prog
   limits.box = s.box;
   limits.polygons = file(stage.document, s.region);
   if (const std::string_view name = painted_mask(layer); !name.empty()) {
-    std::vector<Slot> strokes;
-    for (const Layer& other : stage.document.layers) {
-      if (!find_layer_type(other.type).takes_strokes || !other.settings.enabled) continue;
-      const auto more = stage.slots(stage.document, other);
-      strokes.insert(strokes.end(), more.begin(), more.end());
-    }
-    PaintStrokes paint = paint_strokes(strokes, name);
-    if (paint.strokes.empty()) {
-      const std::string near = nearest(name, painted_masks(strokes));
-      progress.warn(fmt::format("layer {}: no stroke paints its mask \"{}\", so that it makes nothing{}",
-                                shown_name(layer), name,
-                                near.empty() ? "" : fmt::format("; did you mean paint:{}?", near)));
-    }
-    limits.painted = {std::move(paint), {stage.ground.value.terrain.heights, stage.ground.key}};
+    limits.painted = {paint_strokes(stage.strokes(), name),
+                      {stage.ground.value.terrain.heights, stage.ground.key}};
   } else {
     limits.mask = file(stage.document, s.mask);
   }
@@ -244,8 +255,13 @@ void Builder::build_layers(Stage& stage) {
     const BuiltLayer& made = stage.layers.back();
     warn_of_layer_beside(stage.below.value.terrain, shown_name(layer), made.made.value, made.region.get(),
                          stage.readers.progress);
-    if (stage.readers.progress.warned() == warned && !made.reused)
-      warn_of_nothing(layer, made.made.value, stage.readers.progress);
+    // Strokes may come later, and what was there before was told before.
+    if (!made.reused && !made.type->takes_strokes && !made.made.value.reshape &&
+        made.made.value.nodes.empty()) {
+      if (const std::string_view mask = painted_mask(layer); !mask.empty())
+        warn_of_mask(layer, mask, stage.strokes(), stage.readers.progress);
+      if (stage.readers.progress.warned() == warned) warn_of_nothing(layer, stage.readers.progress);
+    }
     const double seconds = watch.seconds();
     stage.results.push_back({shown_name(layer), layer.type, made.made.value, seconds, made.reused});
     stage.seconds.emplace_back(shown_name(layer), seconds);
