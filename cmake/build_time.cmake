@@ -3,42 +3,92 @@
 # a command needs no -O3. The preset `debug` compiles every source alone, with -Wshadow.
 
 # Of which modules the Release build optimises less than -O3. Results do not depend on it: floating point is
-# neither reordered nor fused. What fields are made of stays fast (grammar at -O1 costs half as much again when a
-# grammar cave is meshed); what reads, writes and reports need not be.
+# neither reordered nor fused. What reads, writes and reports need not be fast, nor what plans a landform once.
 set(level_of_core -O1)
+set(level_of_field -O2)
+set(level_of_surface -O2)
 set(level_of_terrain -O2)
 set(level_of_geology -O2)
 set(level_of_grammar -O2)
-set(level_of_landforms -O2)
+set(level_of_landforms -Og)
 set(level_of_mesh -O2)
 set(level_of_render -O2)
 set(level_of_io -O1)
-set(level_of_scene -O1)
+set(level_of_scene -Og)
 set(level_of_runtime -O2)
 
-# tafoni_build_together(TARGET [LEVEL]): its sources by about SIZE at a time, optimised to LEVEL.
-set(sources_together 30)
+# What a mesh asks at every sample, or what goes over samples itself, is compiled at -O2 all the same: sources of
+# the module in which the regular expression is found. (At -Og a grammar cave takes twice as long to mesh.)
+set(hot_in_landforms "field::Function|RockShape::|public RockShape|ScalarGrid|ChunkSamples")
+
+# tafoni_unit(TARGET NAME HEAD SOURCE...): compiles the sources as one, whose text begins with HEAD, in which
+# @unit@ stands for the unit's own path.
+function(tafoni_unit target name head)
+  set(unit ${CMAKE_BINARY_DIR}/generated/${target}_${name}.cpp)
+  string(CONFIGURE "${head}" text @ONLY)
+  foreach(source IN LISTS ARGN)
+    string(APPEND text "#include \"${source}\"\n")
+  endforeach()
+  file(CONFIGURE OUTPUT ${unit} CONTENT "// Written by cmake/build_time.cmake.\n${text}")
+  target_sources(${target} PRIVATE ${unit})
+  set_source_files_properties(${unit} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  set_source_files_properties(${ARGN} PROPERTIES HEADER_FILE_ONLY ON)
+endfunction()
+
+# tafoni_build_together(TARGET [LEVEL [HOT]]): its sources by about 30 at a time, optimised to LEVEL; those in
+# which HOT is found, to -O2. Those with kernels make one unit, which Highway's foreach_target.h reads once for
+# every instruction set.
+set(kernels_head "#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE \"@unit@\"
+#include <hwy/foreach_target.h>
+// foreach_target must come before what it compiles again.
+")
 function(tafoni_build_together target)
-  if(ARGC GREATER 1 AND CMAKE_BUILD_TYPE STREQUAL "Release")
-    target_compile_options(${target} PRIVATE ${ARGV1})
-  endif()
-  if(NOT TAFONI_UNITY)
-    return()
-  endif()
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${sources_together})
   get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "^${CMAKE_SOURCE_DIR}/")
+  list(FILTER sources EXCLUDE REGEX "^${CMAKE_BINARY_DIR}/")
+  set(kernels "")
+  set(hot "")
   foreach(source IN LISTS sources)
-    # Kernels that are compiled once an instruction set include themselves.
-    file(STRINGS ${source} kernels REGEX "HWY_TARGET_INCLUDE" LIMIT_COUNT 1)
-    if(kernels)
-      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    file(STRINGS ${source} lines REGEX "HWY_BEFORE_NAMESPACE" LIMIT_COUNT 1)
+    if(lines)
+      list(APPEND kernels ${source})
+    elseif(ARGC GREATER 2)
+      file(STRINGS ${source} lines REGEX "${ARGV2}" LIMIT_COUNT 1)
+      if(lines)
+        list(APPEND hot ${source})
+      endif()
     endif()
   endforeach()
+  if(ARGC GREATER 1 AND CMAKE_BUILD_TYPE STREQUAL "Release")
+    target_compile_options(${target} PRIVATE ${ARGV1})
+  else()
+    set(hot "")
+  endif()
+
+  if(TAFONI_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 30)
+    if(kernels)
+      tafoni_unit(${target} kernels "${kernels_head}" ${kernels})
+    endif()
+    if(hot)
+      tafoni_unit(${target} hot "" ${hot})
+      set_source_files_properties(${CMAKE_BINARY_DIR}/generated/${target}_hot.cpp PROPERTIES COMPILE_OPTIONS -O2)
+    endif()
+    return()
+  endif()
+  foreach(source IN LISTS kernels)
+    get_filename_component(name ${source} NAME_WE)
+    tafoni_unit(${target} kernels_${name} "${kernels_head}" ${source})
+  endforeach()
+  if(hot)
+    set_source_files_properties(${hot} PROPERTIES COMPILE_OPTIONS -O2)
+  endif()
 endfunction()
 
 foreach(module IN LISTS modules)
   string(REPLACE tafoni_ "" name ${module})
-  tafoni_build_together(${module} ${level_of_${name}})
+  tafoni_build_together(${module} ${level_of_${name}} ${hot_in_${name}})
 endforeach()
 
 # Tests spend their time in the library, and most of theirs is Google Test's headers: these are compiled once.

@@ -4,9 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
@@ -127,24 +126,24 @@ CollisionGround ground_of_mesh(const std::string& path) {
 }
 
 std::string AnswerTable::text(bool json) const {
-  fmt::memory_buffer out;
-  const auto at = std::back_inserter(out);
-  if (!json) fmt::format_to(at, "{}\n", fmt::join(columns, ","));
+  std::string out;
+  for (std::size_t c = 0; !json && c < columns.size(); ++c)
+    out.append(columns[c]).append(c + 1 < columns.size() ? "," : "\n");
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    if (json) fmt::format_to(at, "{}\n  {{", r == 0 ? "[" : ",");
+    if (json) out += r == 0 ? "[\n  {" : ",\n  {";
     for (std::size_t c = 0; c < columns.size(); ++c) {
       const std::optional<double>& value = rows[r][c];
       const bool known = value && std::isfinite(*value);
       const std::string number = known ? fmt::format("{:.12g}", *value + 0.0) : json ? "null" : "";
       if (json)
-        fmt::format_to(at, R"({}"{}": {})", c == 0 ? "" : ", ", columns[c], number);
+        out += fmt::format(R"({}"{}": {})", c == 0 ? "" : ", ", columns[c], number);
       else
-        fmt::format_to(at, "{}{}", c == 0 ? "" : ",", number);
+        out.append(c == 0 ? "" : ",").append(number);
     }
-    fmt::format_to(at, "{}", json ? "}" : "\n");
+    out += json ? "}" : "\n";
   }
-  if (json) fmt::format_to(at, "{}", rows.empty() ? "[]\n" : "\n]\n");
-  return {out.data(), out.size()};
+  if (json) out += rows.empty() ? "[]\n" : "\n]\n";
+  return out;
 }
 
 AnswerTable answer(const Question& question, const CollisionGround& ground, const QuestionTable& asked,

@@ -10,7 +10,7 @@
 #include "collisions.h"
 #include "command.h"
 #include "scene_run.h"
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/io/csv.h"
@@ -34,19 +34,15 @@ Text read_table(const std::string& path) {
   return {io::read_text(path), path == "-" ? "standard input" : path};
 }
 
-void append_row(fmt::memory_buffer& out, bool json, Vec3d p, float f, Vec3f g,
-                std::optional<double> distance) {
+std::string row_text(bool json, Vec3d p, float f, Vec3f g, std::optional<double> distance) {
   // Positions in full, so that those of UTM size stay exact; the field with the digits a float has.
-  const auto at = std::back_inserter(out);
   g += Vec3f{};  // turns -0 into 0
   const std::string metres = distance ? fmt::format("{:.9g}", *distance + 0.0) : json ? "null" : "";
   if (json)
-    fmt::format_to(
-        at,
+    return fmt::format(
         R"({{"x": {}, "y": {}, "z": {}, "f": {:.9g}, "gradient": [{:.9g}, {:.9g}, {:.9g}], "distance": {}}})",
         p.x, p.y, p.z, f, g.x, g.y, g.z, metres);
-  else
-    fmt::format_to(at, "{},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{}\n", p.x, p.y, p.z, f, g.x, g.y, g.z, metres);
+  return fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{}\n", p.x, p.y, p.z, f, g.x, g.y, g.z, metres);
 }
 
 void give(const Query& q, const std::string& text, Console& console) {
@@ -80,16 +76,14 @@ std::string field_at(const CollisionGround& ground, const std::vector<Vec3d>& wo
   });
   progress.end();
 
-  fmt::memory_buffer out;
-  const auto text = [&](std::string_view s) { out.append(s.data(), s.data() + s.size()); };
-  text(json ? "[" : "x,y,z,f,gx,gy,gz,distance\n");
+  std::string out = json ? "[" : "x,y,z,f,gx,gy,gz,distance\n";
   for (std::size_t i = 0; i < world.size(); ++i) {
     progress.check();
-    if (json) text(i == 0 ? "\n  " : ",\n  ");
-    append_row(out, json, world[i], values[i], gradients[i], distances[i]);
+    if (json) out += i == 0 ? "\n  " : ",\n  ";
+    out += row_text(json, world[i], values[i], gradients[i], distances[i]);
   }
-  if (json) text("\n]\n");
-  return {out.data(), out.size()};
+  if (json) out += "\n]\n";
+  return out;
 }
 
 query::WalkSettings walk_settings(const Query& q) {

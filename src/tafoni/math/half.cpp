@@ -2,10 +2,6 @@
 
 #include "tafoni/math/half.h"
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/math/half.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
 #include <hwy/highway.h>
 
 #include "tafoni/math/simd.h"

@@ -3,10 +3,6 @@
 
 #include "tafoni/math/noise.h"
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/math/noise.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
 #include "tafoni/core/random.h"
 #include "tafoni/math/noise-inl.h"
 #include "tafoni/math/simd.h"

@@ -3,10 +3,6 @@
 
 #include "tafoni/field/impl/cloud.h"
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/field/impl/index.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
 #include "tafoni/math/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -3,10 +3,6 @@
 
 #include "tafoni/field/impl/leaves.h"
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/field/impl/leaves.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
 #include <algorithm>
 #include <cmath>
 

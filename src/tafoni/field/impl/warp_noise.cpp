@@ -1,9 +1,5 @@
 #include "tafoni/field/impl/warp_noise.h"
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/field/impl/warp_noise.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
 #include "tafoni/math/noise-inl.h"
 
 HWY_BEFORE_NAMESPACE();

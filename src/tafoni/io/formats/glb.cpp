@@ -10,6 +10,7 @@
 
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/glb_json.h"
+#include "tafoni/io/impl/json_text.h"
 #include "tafoni/io/impl/placing.h"
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/seams.h"
@@ -130,7 +131,7 @@ void write(AtomicFile& out, const mesh::Mesh& mesh, const MeshOutput& output, Pr
   const std::uint64_t vertices = textured ? seams.pairs.size() : mesh.positions.size();
   const auto vertex = [&](std::size_t i) { return textured ? seams.vertex[i] : i; };
   const Json json = document_of(mesh, vertices, output);
-  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text = impl::json_text(json);
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const std::uint64_t binary = json["buffers"][0]["byteLength"];
   const std::uint64_t total = 12 + 8 + text.size() + 8 + binary;
@@ -418,7 +419,7 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
     binary = bytes.subspan(next + 8, size);
   }
   const std::string_view text = impl::as_text(bytes.subspan(20, json_bytes));
-  Json json = Json::parse(text.begin(), text.end(), nullptr, false);
+  Json json = impl::read_json(text);
   if (!json.is_object()) bad("its JSON cannot be parsed");
   const GltfDocument document(std::move(json), binary, file);
   return Reader(document, bytes.size()).run();

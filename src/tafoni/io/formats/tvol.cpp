@@ -31,6 +31,7 @@
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/io/format.h"
+#include "tafoni/io/impl/json_text.h"
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/volume_chunks.h"
 #include "tafoni/io/impl/writing.h"
@@ -169,9 +170,9 @@ bool decompress(std::span<const std::byte> in, std::span<std::byte> out) {
 }
 
 std::string text_of(const MeshMetadata& metadata) {
-  nlohmann::json json = {{"name", metadata.name}, {"crs", metadata.crs}};
-  json["generator"] = nlohmann::json::parse(impl::generator_json(metadata.generator));
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return impl::json_text({{"name", metadata.name},
+                          {"crs", metadata.crs},
+                          {"generator", impl::generator_json(metadata.generator)}});
 }
 
 std::string header_of(const Volume& volume, std::size_t text, std::size_t table) {
@@ -289,14 +290,14 @@ class Reader {
 
   MeshMetadata metadata() const {
     MeshMetadata out;
-    const auto json = nlohmann::json::parse(impl::as_text(text_), nullptr, false);
+    const auto json = impl::read_json(impl::as_text(text_));
     if (!json.is_object()) damaged("its text cannot be read");
     const auto text = [&](const char* key) {
       return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();
     };
     out.name = text("name");
     out.crs = text("crs");
-    if (json.contains("generator")) out.generator = impl::generator_values_of(json["generator"]);
+    if (json.contains("generator")) out.generator = impl::generator_values(json["generator"]);
     return out;
   }
 

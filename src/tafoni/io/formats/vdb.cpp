@@ -183,7 +183,7 @@ MeshMetadata metadata_of(const impl::VdbMetadata& meta) {
   MeshMetadata out;
   out.name = meta.text("name");
   out.crs = meta.text(impl::vdb_crs_key);
-  out.generator = impl::generator_values(meta.text(impl::vdb_generator_key));
+  out.generator = impl::generator_from_text(meta.text(impl::vdb_generator_key));
   return out;
 }
 

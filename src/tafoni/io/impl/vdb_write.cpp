@@ -266,7 +266,7 @@ void write_vdb(AtomicFile& out, const Volume& volume, Progress& progress) {
     meta.insertMeta("creator", openvdb::StringMetadata("tafoni"));
     meta.insertMeta("name", openvdb::StringMetadata(metadata.name));
     meta.insertMeta(vdb_crs_key, openvdb::StringMetadata(metadata.crs));
-    meta.insertMeta(vdb_generator_key, openvdb::StringMetadata(generator_json(metadata.generator)));
+    meta.insertMeta(vdb_generator_key, openvdb::StringMetadata(generator_text(metadata.generator)));
     Sink sink(out, progress);
     std::ostream stream(&sink);
     stream.exceptions(std::ios_base::badbit | std::ios_base::failbit);

@@ -12,6 +12,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
+#include "tafoni/io/impl/json_text.h"
 
 namespace tafoni::io::impl {
 
@@ -159,18 +160,14 @@ VolumeInfo look_at_samples(const VolumeSource& source, std::string_view file, st
   return out;
 }
 
-std::string generator_json(const Values& values) {
+nlohmann::json generator_json(const Values& values) {
   nlohmann::json json = nlohmann::json::object();
   for (const auto& [name, value] : values)
     std::visit([&, &key = name](const auto& v) { json[key] = v; }, value);
-  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return json;
 }
 
-Values generator_values(std::string_view text) {
-  return generator_values_of(nlohmann::json::parse(text, nullptr, false));
-}
-
-Values generator_values_of(const nlohmann::json& json) {
+Values generator_values(const nlohmann::json& json) {
   Values values;
   if (!json.is_object()) return values;
   for (const auto& [name, value] : json.items()) {
@@ -184,6 +181,14 @@ Values generator_values_of(const nlohmann::json& json) {
       values[name] = value.get<std::string>();
   }
   return values;
+}
+
+std::string generator_text(const Values& values) {
+  return json_text(generator_json(values));
+}
+
+Values generator_from_text(std::string_view text) {
+  return generator_values(read_json(text));
 }
 
 }  // namespace tafoni::io::impl

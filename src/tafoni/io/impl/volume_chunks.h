@@ -68,8 +68,10 @@ VolumeInfo look_at_samples(const VolumeSource& source, std::string_view file, st
                            Progress& progress);
 
 /// The generator's values as JSON, and back; what cannot be read is left out.
-std::string generator_json(const Values& values);
-Values generator_values(std::string_view json);
-Values generator_values_of(const nlohmann::json& json);
+nlohmann::json generator_json(const Values& values);
+Values generator_values(const nlohmann::json& json);
+/// The same as text.
+std::string generator_text(const Values& values);
+Values generator_from_text(std::string_view text);
 
 }  // namespace tafoni::io::impl

@@ -3,10 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/query/impl/traverse.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
 #include <hwy/highway.h>
 
 #include "tafoni/math/simd.h"

@@ -5,10 +5,6 @@
 
 #include <algorithm>
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/surface/impl/kernels.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
 #include <hwy/highway.h>
 
 #include "tafoni/math/simd.h"

@@ -3,10 +3,6 @@
 
 #include "tafoni/volume/impl/cones.h"
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/volume/impl/cones.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
 #include <algorithm>
 #include <cmath>
 #include <limits>

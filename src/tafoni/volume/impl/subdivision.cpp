@@ -4,10 +4,6 @@
 
 #include "tafoni/volume/impl/subdivision.h"
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tafoni/volume/impl/subdivision.cpp"
-#include <hwy/foreach_target.h>
-// foreach_target must come before what it compiles again.
 #include <algorithm>
 #include <vector>
 
