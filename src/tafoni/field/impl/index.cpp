@@ -2,7 +2,6 @@
 // touch a box, a vector of them at a time.
 
 #include "tafoni/field/impl/cloud.h"
-
 #include "tafoni/math/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
