@@ -7,7 +7,7 @@
 set(level_of_core -O1)
 set(level_of_field -O2)
 set(level_of_surface -O2)
-set(level_of_terrain -O2)
+set(level_of_terrain -O1)
 set(level_of_geology -O2)
 set(level_of_grammar -O2)
 set(level_of_landforms -Og)
@@ -15,7 +15,7 @@ set(level_of_mesh -O2)
 set(level_of_render -O2)
 set(level_of_io -O1)
 set(level_of_scene -Og)
-set(level_of_runtime -O2)
+set(level_of_runtime -O1)
 
 # What a mesh asks at every sample, or what goes over samples itself, is compiled at -O2 all the same: sources of
 # the module in which the regular expression is found. (At -Og a grammar cave takes twice as long to mesh.)
@@ -35,7 +35,7 @@ function(tafoni_unit target name head)
   set_source_files_properties(${ARGN} PROPERTIES HEADER_FILE_ONLY ON)
 endfunction()
 
-# tafoni_build_together(TARGET [LEVEL [HOT]]): its sources by about 30 at a time, optimised to LEVEL; those in
+# tafoni_build_together(TARGET [LEVEL [HOT]]): its sources by about 100 at a time, optimised to LEVEL; those in
 # which HOT is found, to -O2. Those with kernels make one unit, which Highway's foreach_target.h reads once for
 # every instruction set.
 set(kernels_head "#undef HWY_TARGET_INCLUDE
@@ -67,7 +67,7 @@ function(tafoni_build_together target)
   endif()
 
   if(TAFONI_UNITY)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 30)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 100)
     if(kernels)
       tafoni_unit(${target} kernels "${kernels_head}" ${kernels})
     endif()
@@ -90,12 +90,19 @@ foreach(module IN LISTS modules)
   string(REPLACE tafoni_ "" name ${module})
   tafoni_build_together(${module} ${level_of_${name}} ${hot_in_${name}})
 endforeach()
+if(TAFONI_UNITY) # in one it would take 1.5 GB, and longer than all else on many cores
+  set_target_properties(tafoni_io PROPERTIES UNITY_BUILD_BATCH_SIZE 30)
+endif()
 
-# Tests spend their time in the library, and most of theirs is Google Test's headers: these are compiled once.
+# Tests spend their time in the library. Most of what they take to compile is Google Test: its headers are compiled
+# once, and its templates, which each source instantiates, for five sources together.
 function(tafoni_build_test_quickly target)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
-  # At -O1, g++ 12 sees copies beyond the end in std::string's own code, as with -Wrestrict above.
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Og>)
+  # At -Og, g++ 12 sees copies beyond the end in std::string's own code, as with -Wrestrict above.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds -Wno-stringop-overflow>)
+  if(TAFONI_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 5)
+  endif()
   get_property(first GLOBAL PROPERTY TAFONI_FIRST_TEST)
   if(first)
     target_precompile_headers(${target} REUSE_FROM ${first})

@@ -75,7 +75,7 @@ mesh::Mesh read_bytes(const FormatType& format, const std::string& bytes) {
   return mesh;
 }
 
-std::string error_of(const std::function<void()>& act, ErrorKind kind) {
+std::string error_as(const std::function<void()>& act, ErrorKind kind) {
   try {
     act();
   } catch (const Error& error) {
@@ -193,7 +193,7 @@ TEST_P(EveryMeshFormat, CancelledWritingLeavesNothing) {
     void on_advance(std::uint64_t) override { cancel(); }
   } progress;
   const auto path = temporary("cancelled." + GetParam()->extensions.front());
-  error_of([&] { write_mesh(path, bumpy_sphere(), {}, progress); }, ErrorKind::cancelled);
+  error_as([&] { write_mesh(path, bumpy_sphere(), {}, progress); }, ErrorKind::cancelled);
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 
@@ -208,28 +208,28 @@ TEST(Format, DeclaresItself) {
     }
     EXPECT_EQ(&find_format(format->about.name), format);
   }
-  EXPECT_THAT(error_of([] { find_format("pyl"); }, ErrorKind::usage), HasSubstr("did you mean \"ply\"?"));
+  EXPECT_THAT(error_as([] { find_format("pyl"); }, ErrorKind::usage), HasSubstr("did you mean \"ply\"?"));
 }
 
 TEST(Format, UnknownExtensionListsTheKnownOnes) {
-  const std::string text = error_of([] { format_of("a.olb", Ability::write_mesh); }, ErrorKind::usage);
+  const std::string text = error_as([] { format_of("a.olb", Ability::write_mesh); }, ErrorKind::usage);
   EXPECT_THAT(text, HasSubstr(".glb"));
   EXPECT_THAT(text, HasSubstr(".stl"));
   EXPECT_THAT(text, testing::Not(HasSubstr(".off")));  // read only
   EXPECT_EQ(format_of("A.GLB", Ability::read_mesh).about.name, "glb");
-  EXPECT_THAT(error_of([] { format_of("noext", Ability::write_image); }, ErrorKind::usage),
+  EXPECT_THAT(error_as([] { format_of("noext", Ability::write_image); }, ErrorKind::usage),
               HasSubstr("no extension"));
 }
 
 TEST(Format, UnwritablePathsAndEmptyMeshesGiveOneSentence) {
-  error_of([] { write_mesh("/nonexistent/folder/a.glb", bumpy_sphere()); }, ErrorKind::output);
-  error_of([] { write_mesh(temporary("empty.glb"), {}); }, ErrorKind::output);
-  error_of([] { write_image("/nonexistent/folder/a.png", raster::Image(2, 2)); }, ErrorKind::output);
-  error_of([] { write_image(temporary("empty.png"), {}); }, ErrorKind::output);
-  EXPECT_THAT(error_of([] { read_mesh("/nonexistent.ply"); }, ErrorKind::input), HasSubstr("nonexistent"));
-  error_of([] { read_mesh(std::filesystem::temp_directory_path().string() + "/."); }, ErrorKind::usage);
+  error_as([] { write_mesh("/nonexistent/folder/a.glb", bumpy_sphere()); }, ErrorKind::output);
+  error_as([] { write_mesh(temporary("empty.glb"), {}); }, ErrorKind::output);
+  error_as([] { write_image("/nonexistent/folder/a.png", raster::Image(2, 2)); }, ErrorKind::output);
+  error_as([] { write_image(temporary("empty.png"), {}); }, ErrorKind::output);
+  EXPECT_THAT(error_as([] { read_mesh("/nonexistent.ply"); }, ErrorKind::input), HasSubstr("nonexistent"));
+  error_as([] { read_mesh(std::filesystem::temp_directory_path().string() + "/."); }, ErrorKind::usage);
   std::ofstream(temporary("zero.ply")).close();
-  EXPECT_THAT(error_of([] { read_mesh(temporary("zero.ply")); }, ErrorKind::input), HasSubstr("empty"));
+  EXPECT_THAT(error_as([] { read_mesh(temporary("zero.ply")); }, ErrorKind::input), HasSubstr("empty"));
 }
 
 TEST(Format, FullDiskGivesOneSentenceAndLeavesNothing) {
@@ -318,7 +318,7 @@ TEST(Obj, ReadsCornersWithAndWithoutTexture) {
   ASSERT_EQ(quad.texture.size(), 2u);
   EXPECT_EQ(quad.texture[1][2], (Vec2<float>{1, 0}));
   EXPECT_TRUE(read(points + "f 1/1 2/2 3/1\nf 1 3 4\n").texture.empty());
-  EXPECT_THAT(error_of([&] { read(points + "f 1/1 2/3 3/1\n"); }, ErrorKind::input),
+  EXPECT_THAT(error_as([&] { read(points + "f 1/1 2/3 3/1\n"); }, ErrorKind::input),
               HasSubstr("index 3 is not defined here"));
 }
 

@@ -99,7 +99,7 @@ std::string stl(const Globe& globe) {
   return text + "endsolid globe\n";
 }
 
-std::string glb(std::string json, const std::string& binary) {
+std::string glb_of(std::string json, const std::string& binary) {
   json.resize((json.size() + 3) / 4 * 4, ' ');
   const auto word = [](std::size_t v) { return raw(static_cast<std::uint32_t>(v)); };
   return "glTF" + word(2) + word(28 + json.size() + binary.size()) + word(json.size()) + "JSON" + json +
@@ -115,15 +115,15 @@ std::string glb_of_nodes(const std::string& nodes) {
   for (const auto& face : globe.faces)
     for (std::size_t c = 2; c < face.size(); ++c, corners += 3)
       for (const int v : {face[0], face[c - 1], face[c]}) indices += raw(v);
-  return glb(fmt::format(R"({{"asset":{{"version":"2.0"}},"nodes":[{}],"buffers":[{{"byteLength":{}}}],
+  return glb_of(fmt::format(R"({{"asset":{{"version":"2.0"}},"nodes":[{}],"buffers":[{{"byteLength":{}}}],
       "bufferViews":[{{"buffer":0,"byteLength":{}}},{{"buffer":0,"byteOffset":{},"byteLength":{}}}],
       "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":{}}},
         {{"bufferView":1,"componentType":5125,"type":"SCALAR","count":{}}}],
       "scenes":[{{"nodes":[0]}}],
       "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}]}})",
-                         nodes, positions.size() + indices.size(), positions.size(), positions.size(),
-                         indices.size(), globe.points.size(), corners),
-             positions + indices);
+                            nodes, positions.size() + indices.size(), positions.size(), positions.size(),
+                            indices.size(), globe.points.size(), corners),
+                positions + indices);
 }
 
 mesh::Mesh read(const std::string& name, const std::string& bytes) {
@@ -199,7 +199,7 @@ TEST(Placing, ExtrasOfAssetOrNodesAreTheOrigin) {
   // The JSON chunk has grown: its length and the file's are set anew.
   const std::size_t json = asset.find("BIN") - 4 - 20;
   std::string padded = asset.substr(20, json);
-  asset = glb(padded, asset.substr(asset.find("BIN") + 4));
+  asset = glb_of(padded, asset.substr(asset.find("BIN") + 4));
   expect_globe(read("b.glb", asset), utm, "asset");
   const mesh::Mesh two =
       read("c.glb", glb_of_nodes(R"({"children":[1,2]},{"mesh":0,)" + extras +

@@ -112,7 +112,7 @@ struct Infix {
   Op op;
 };
 /// Loosest first; within a level, a token before those that it begins with.
-const std::vector<Infix> levels[] = {
+const std::vector<Infix> precedences[] = {
     {{"||", either}},
     {{"&&", both}},
     {{"<=", less_equal}, {">=", greater_equal}, {"==", equal}, {"!=", differs}, {"<", less}, {">", greater}},
@@ -179,12 +179,12 @@ class ExpressionCompiler {
 
  private:
   void infix(std::size_t level) {
-    if (level == std::size(levels)) return prefix();
+    if (level == std::size(precedences)) return prefix();
     infix(level + 1);
     for (;;) {
-      const auto found = std::find_if(levels[level].begin(), levels[level].end(),
+      const auto found = std::find_if(precedences[level].begin(), precedences[level].end(),
                                       [&](const Infix& x) { return text_.take(x.token); });
-      if (found == levels[level].end()) return;
+      if (found == precedences[level].end()) return;
       infix(level + 1);
       emit(found->op, 0, 2);
     }

@@ -20,13 +20,13 @@ constexpr double longest_share = 0.6;           // of the shorter side: a longer
 constexpr double shortest = 6;                  // radii; a shorter way would be a window, not a tunnel
 constexpr double border = 6, mouth_border = 4;  // grains kept to the outline, by middles and by mouths
 constexpr int turns = 12;                       // over half a circle
-constexpr double drop_counts = 4;   // metres of way that a metre of drop below a mouth is as bad as
-constexpr double before_mouth = 2;  // radii to where that drop is measured
-constexpr double sill = 0.8;        // radii below the axis: ground lower than this leaves a mouth open
+constexpr double drop_counts = 4;         // metres of way that a metre of drop below a mouth is as bad as
+constexpr double radii_before_mouth = 2;  // radii to where that drop is measured
+constexpr double sill = 0.8;              // radii below the axis: ground lower than this leaves a mouth open
 
-class Search {
+class TunnelSearch {
  public:
-  Search(const Ground& ground, const TunnelSettings& settings, double grain)
+  TunnelSearch(const Ground& ground, const TunnelSettings& settings, double grain)
       : ground_(ground), radius_(settings.tunnel), grain_(grain) {}
 
   std::vector<Vec3d> run(double cover, double longest) {
@@ -61,7 +61,7 @@ class Search {
 
   /// From the floor at a mouth down to the ground before it.
   double drop(Vec3d mouth, Vec3d out) const {
-    const Vec3d p = mouth + out * (before_mouth * radius_);
+    const Vec3d p = mouth + out * (radii_before_mouth * radius_);
     return std::max(0.0, mouth.z - radius_ - ground_.height(p.x, p.y));
   }
 
@@ -94,7 +94,7 @@ std::vector<Vec3d> find_hill_tunnel(const Ground& ground, const TunnelSettings& 
   const double cover = settings.cover > 0 ? settings.cover : default_cover * relief;
   const Vec3d extent = ground.box().size();
   const double longest = longest_share * std::min(extent.x, extent.y);
-  auto mouths = Search(ground, settings, grain).run(cover, longest);
+  auto mouths = TunnelSearch(ground, settings, grain).run(cover, longest);
   if (mouths.empty())
     progress.warn(
         fmt::format("prism-field bores no tunnel: no hill has {:.0f} m of cover over less than {:.0f} m; "

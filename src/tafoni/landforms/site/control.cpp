@@ -74,7 +74,7 @@ class OutlineControl final : public Control {
   double fade_;
 };
 
-constexpr int tile = 16;  // pixels a side
+constexpr int tile_side = 16;  // pixels a side
 
 void include(Range& range, double value) {
   range = {std::min(range.lo, value), std::max(range.hi, value)};
@@ -149,11 +149,12 @@ class Product final : public field::Function {
 
 RangedRaster::RangedRaster(raster::Grid<float> values, const raster::Placement& placement)
     : placement_(placement), values_(std::move(values)) {
-  const int across = (values_.width() + tile - 1) / tile, down = (values_.height() + tile - 1) / tile;
+  const int across = (values_.width() + tile_side - 1) / tile_side,
+            down = (values_.height() + tile_side - 1) / tile_side;
   tiles_ = raster::Grid<Range>(across, down, Range{1e300, -1e300});
   for (int row = 0; row < values_.height(); ++row)
     for (int col = 0; col < values_.width(); ++col)
-      include(tiles_.at(col / tile, row / tile), values_.at(col, row));
+      include(tiles_.at(col / tile_side, row / tile_side), values_.at(col, row));
 }
 
 double RangedRaster::at(Vec3d p) const {
@@ -173,9 +174,9 @@ Range RangedRaster::over(const Box3d& box) const {
   const int left = pixel(std::floor(a.x), values_.width()), right = pixel(std::ceil(b.x), values_.width());
   const int top = pixel(std::floor(a.y), values_.height()), bottom = pixel(std::ceil(b.y), values_.height());
   Range range{1e300, -1e300};
-  if (right - left > 2 * tile || bottom - top > 2 * tile) {
-    for (int row = top / tile; row <= bottom / tile; ++row)
-      for (int col = left / tile; col <= right / tile; ++col) {
+  if (right - left > 2 * tile_side || bottom - top > 2 * tile_side) {
+    for (int row = top / tile_side; row <= bottom / tile_side; ++row)
+      for (int col = left / tile_side; col <= right / tile_side; ++col) {
         include(range, tiles_.at(col, row).lo);
         include(range, tiles_.at(col, row).hi);
       }

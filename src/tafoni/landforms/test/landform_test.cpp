@@ -17,8 +17,8 @@ namespace tafoni::landforms {
 namespace {
 
 /// A coast cut by a ravine with a stream: something for every landform to act on.
-struct Coast : test::Coast {
-  Coast() : test::Coast([](Vec3d) { return 0.3; }, &elevation) {}
+struct StreamCoast : test::Coast {
+  StreamCoast() : test::Coast([](Vec3d) { return 0.3; }, &elevation) {}
   static double elevation(double x, double y) {
     const double bed = std::max(0.5, 1.5 + 0.12 * y), off = std::abs(x - 24 - 4 * std::sin(y / 12));
     return std::min(ground(x, y), y > -4 ? bed + 1.6 * off : 1e9);
@@ -51,7 +51,7 @@ TEST_P(EveryLandform, IsDocumented) {
 }
 
 TEST_P(EveryLandform, ChangesTheTerrainAndTellsHowManyPrimitivesItTook) {
-  const Coast coast;
+  const StreamCoast coast;
   const Result result = run(coast.site);
   const auto points = test::places(around, 20000, 7);
   EXPECT_NE(test::values(field::compile(coast.site.terrain), points),
@@ -62,7 +62,7 @@ TEST_P(EveryLandform, ChangesTheTerrainAndTellsHowManyPrimitivesItTook) {
 }
 
 TEST_P(EveryLandform, ExplainsWhatItTells) {
-  const Coast coast;
+  const StreamCoast coast;
   for (const Fact& fact : run(coast.site).facts) {
     if (fact.name == "primitives") continue;
     EXPECT_FALSE(fact.about.empty()) << fact.name;
@@ -71,7 +71,7 @@ TEST_P(EveryLandform, ExplainsWhatItTells) {
 }
 
 TEST_P(EveryLandform, MovesNoSurfaceBelowItsLowest) {
-  const Coast coast;
+  const StreamCoast coast;
   const Result result = run(coast.site);
   const double lowest = lowest_change(result);
   if (!std::isfinite(lowest)) return;
@@ -85,7 +85,7 @@ TEST_P(EveryLandform, MovesNoSurfaceBelowItsLowest) {
 }
 
 TEST_P(EveryLandform, ReshapesWhereItSays) {
-  const Coast coast;
+  const StreamCoast coast;
   const Result result = run(coast.site);
   if (!result.reshape) return;
   ASSERT_FALSE(result.reshaped.empty());
@@ -99,7 +99,7 @@ TEST_P(EveryLandform, ReshapesWhereItSays) {
 }
 
 TEST_P(EveryLandform, SameSeedSameBytesWithAnyNumberOfThreads) {
-  const Coast coast;
+  const StreamCoast coast;
   const auto points = test::places(around, 20000, 2);
   set_thread_count(1);
   const Result one = run(coast.site);
@@ -110,13 +110,13 @@ TEST_P(EveryLandform, SameSeedSameBytesWithAnyNumberOfThreads) {
   set_thread_count(0);
   EXPECT_EQ(a, b);
   EXPECT_EQ(one.facts, two.facts);
-  Coast other;
+  StreamCoast other;
   other.site.seed = 6;
   EXPECT_NE(a, test::values(test::carved(other.site, run(other.site)), points));
 }
 
 TEST_P(EveryLandform, StaysInItsRegion) {
-  Coast coast;
+  StreamCoast coast;
   Region region;
   const Box3d box{{-25, -20, -10}, {36, 20, 24}};
   region.limit_box(box);
@@ -136,7 +136,7 @@ TEST_P(EveryLandform, StaysInItsRegion) {
 }
 
 TEST_P(EveryLandform, DoesNothingWhereItMayNotAct) {
-  Coast coast;
+  StreamCoast coast;
   Region region;
   region.limit_polygon({{}});
   coast.site.region = &region;
@@ -152,9 +152,9 @@ TEST_P(EveryLandform, DoesNothingWhereItMayNotAct) {
 }
 
 TEST_P(EveryLandform, KeepsOffMissingData) {
-  Coast coast;
-  raster::Grid<std::uint8_t> valid(Coast::width, Coast::height, 1);
-  for (int row = 0; row < Coast::height; ++row)
+  StreamCoast coast;
+  raster::Grid<std::uint8_t> valid(StreamCoast::width, StreamCoast::height, 1);
+  for (int row = 0; row < StreamCoast::height; ++row)
     for (int col = 0; col < 60; ++col) valid.at(col, row) = 0;
   coast.site.valid = &valid;
   const auto before = field::compile(coast.site.terrain), after = test::carved(coast.site, run(coast.site));
@@ -163,7 +163,7 @@ TEST_P(EveryLandform, KeepsOffMissingData) {
 }
 
 TEST_P(EveryLandform, CanBeCancelled) {
-  const Coast coast;
+  const StreamCoast coast;
   Progress progress;
   progress.cancel();
   try {
@@ -175,7 +175,7 @@ TEST_P(EveryLandform, CanBeCancelled) {
 }
 
 TEST_P(EveryLandform, WorksWithoutGeology) {
-  Coast coast;
+  StreamCoast coast;
   coast.site.geology = nullptr;
   EXPECT_NO_THROW(run(coast.site));
 }

@@ -20,7 +20,7 @@ namespace tafoni::landforms {
 namespace {
 
 /// Beds of hard and of soft rock, that dip a little.
-double bedded(Vec3d p) {
+double layered(Vec3d p) {
   return 0.4 + 0.35 * std::sin(0.9 * p.z + 0.05 * p.x);
 }
 
@@ -59,7 +59,7 @@ const std::vector<std::unique_ptr<Place>>& places() {
   static const auto made = [] {
     std::vector<std::unique_ptr<Place>> all;
     for (const auto& elevation : {&coast, &mesa, &gorge, &mesa})
-      all.push_back(std::make_unique<Place>(Place{test::Coast(bedded, elevation), {}}));
+      all.push_back(std::make_unique<Place>(Place{test::Coast(layered, elevation), {}}));
     all.back()->region.limit_box({{-45, -30, -20}, {45, 36, 80}});
     all.back()->land.site.region = &all.back()->region;
     return all;

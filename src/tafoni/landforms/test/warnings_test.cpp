@@ -16,20 +16,20 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// 120 m by 90 m.
-Coast hill() {
+Coast smooth_hill() {
   return Coast([](Vec3d) { return 0.5; },
                [](double x, double y) { return 26 * std::exp(-(x * x / 900 + y * y / 700)); });
 }
 
 std::vector<std::string> warnings(const char* type, const Values& values) {
-  const Coast coast = hill();
+  const Coast coast = smooth_hill();
   HeardWarnings warnings;
   find_landform(type).generate(coast.site, values, warnings);
   return warnings.said;
 }
 
 std::string refusal(const char* type, const Values& values) {
-  const Coast coast = hill();
+  const Coast coast = smooth_hill();
   try {
     find_landform(type).generate(coast.site, values, silent());
   } catch (const Error& error) {

@@ -7,7 +7,7 @@
 namespace tafoni::mesh {
 namespace {
 
-Mesh box(Vec3f lo, Vec3f hi) {
+Mesh box_mesh(Vec3f lo, Vec3f hi) {
   Mesh m;
   for (int c = 0; c < 8; ++c)
     m.positions.push_back({c & 1 ? hi.x : lo.x, c & 2 ? hi.y : lo.y, c & 4 ? hi.z : lo.z});
@@ -17,7 +17,7 @@ Mesh box(Vec3f lo, Vec3f hi) {
 }
 
 TEST(Metrics, MeasuresABox) {
-  Mesh m = box({1, 2, 3}, {3, 5, 7});
+  Mesh m = box_mesh({1, 2, 3}, {3, 5, 7});
   m.origin = {500000, 4000000, 100};
   const MeshMetrics r = metrics(m);
   EXPECT_DOUBLE_EQ(r.area, 2 * (2 * 3 + 3 * 4 + 2 * 4));
@@ -33,11 +33,11 @@ TEST(Metrics, MeasuresABox) {
 }
 
 TEST(Metrics, VolumeKeepsItsDigitsFarFromZero) {
-  EXPECT_DOUBLE_EQ(metrics(box({1e6f, 2e6f, 0}, {1e6f + 2, 2e6f + 2, 2})).volume, 8);
+  EXPECT_DOUBLE_EQ(metrics(box_mesh({1e6f, 2e6f, 0}, {1e6f + 2, 2e6f + 2, 2})).volume, 8);
 }
 
 TEST(Metrics, CountsLoopsOfAnOpenTube) {
-  Mesh m = box({0, 0, 0}, {1, 1, 1});
+  Mesh m = box_mesh({0, 0, 0}, {1, 1, 1});
   m.triangles.erase(m.triangles.begin(), m.triangles.begin() + 4);
   const MeshMetrics r = metrics(m);
   EXPECT_FALSE(r.closed);
@@ -47,8 +47,8 @@ TEST(Metrics, CountsLoopsOfAnOpenTube) {
 }
 
 TEST(Metrics, SeveralPartsAndStrayVertices) {
-  Mesh m = box({0, 0, 0}, {1, 1, 1});
-  const Mesh other = box({3, 0, 0}, {4, 1, 1});
+  Mesh m = box_mesh({0, 0, 0}, {1, 1, 1});
+  const Mesh other = box_mesh({3, 0, 0}, {4, 1, 1});
   m.positions.push_back({7, 7, 7});
   m.positions.insert(m.positions.end(), other.positions.begin(), other.positions.end());
   for (auto t : other.triangles) m.triangles.push_back({t[0] + 9, t[1] + 9, t[2] + 9});

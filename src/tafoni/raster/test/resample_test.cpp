@@ -16,26 +16,26 @@ Raster make(int width, int height, Placement placement, F&& f) {
   out.crs = "crs";
   return out;
 }
-double plane(double x, double y) {
+double tilted(double x, double y) {
   return 5 + 0.25 * x - 0.5 * y;
 }
 
 TEST(Sample, ReproducesAPlaneBetweenCentresAndPixelsAtThem) {
-  const Raster r = make(12, 9, {100, 200, 2, 3}, plane);
+  const Raster r = make(12, 9, {100, 200, 2, 3}, tilted);
   for (double x = 104; x < 120; x += 0.37)
     for (double y = 178; y < 194; y += 0.41) {
-      EXPECT_NEAR(sample_bilinear(r, x, y), plane(x, y), 1e-4);
-      EXPECT_NEAR(sample_bicubic(r, x, y), plane(x, y), 1e-4);
+      EXPECT_NEAR(sample_bilinear(r, x, y), tilted(x, y), 1e-4);
+      EXPECT_NEAR(sample_bicubic(r, x, y), tilted(x, y), 1e-4);
     }
   const Vec2d p = r.placement.center(3, 4);
   EXPECT_EQ(sample_bicubic(r, p.x, p.y), r.at(3, 4));
 }
 
 TEST(Sample, ContinuesTheNearestValueBeyondTheRim) {
-  const Raster r = make(4, 4, {0, 4, 1, 1}, plane);
+  const Raster r = make(4, 4, {0, 4, 1, 1}, tilted);
   EXPECT_FLOAT_EQ(static_cast<float>(sample_bilinear(r, -50, 3.5)), r.values.at(0, 0));
   EXPECT_FLOAT_EQ(static_cast<float>(sample_bicubic(r, 99, -99)), r.values.at(3, 3));
-  const Raster one = make(1, 1, {0, 1, 1, 1}, plane);
+  const Raster one = make(1, 1, {0, 1, 1, 1}, tilted);
   EXPECT_FLOAT_EQ(static_cast<float>(sample_bilinear(one, 0.9, 0.1)), one.values.at(0, 0));
 }
 
@@ -69,7 +69,7 @@ TEST(Resample, AverageNeedsHalfThePixelCovered) {
 }
 
 TEST(AtResolution, CoversTheSameGroundWithSquarePixels) {
-  const Raster source = make(100, 40, {0, 1000, 10, 25}, plane);
+  const Raster source = make(100, 40, {0, 1000, 10, 25}, tilted);
   const Raster coarse = at_resolution(source, 50);
   EXPECT_EQ(coarse.width(), 20);
   EXPECT_EQ(coarse.height(), 20);
@@ -78,7 +78,7 @@ TEST(AtResolution, CoversTheSameGroundWithSquarePixels) {
   EXPECT_EQ(fine.height(), 200);
   for (const Raster* r : {&coarse, &fine}) {
     const Vec2d p = r->placement.center(9, 9);
-    EXPECT_NEAR(r->values.at(9, 9), plane(p.x, p.y), 1e-3);
+    EXPECT_NEAR(r->values.at(9, 9), tilted(p.x, p.y), 1e-3);
   }
 }
 

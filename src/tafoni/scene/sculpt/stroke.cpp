@@ -15,7 +15,6 @@
 namespace tafoni::scene {
 namespace {
 
-using Json = nlohmann::json;
 using Words = std::vector<std::pair<std::string, std::string>>;
 
 /// Cuts at blanks outside of quotes into NAME=VALUE; the first word stands alone.
@@ -118,36 +117,36 @@ void assign_one(Stroke& stroke, const BrushType& brush, std::string_view name, s
   impl::store(stroke_params(), &stroke, stroke.values, info, value(info));
 }
 
-std::vector<Vec3d> json_points(const Json& at, std::string_view where) {
+std::vector<Vec3d> json_points(const nlohmann::json& at, std::string_view where) {
   const auto wrong = [&]() {
     fail(ErrorKind::usage, "{}: \"at\" must be [x, y, z] or a list of such", where);
   };
   if (!at.is_array() || at.empty()) wrong();
   std::vector<Vec3d> out;
-  const auto point = [&](const Json& p) {
+  const auto point = [&](const nlohmann::json& p) {
     if (!p.is_array() || p.size() != 3 ||
-        !std::all_of(p.begin(), p.end(), [](const Json& v) { return v.is_number(); }))
+        !std::all_of(p.begin(), p.end(), [](const nlohmann::json& v) { return v.is_number(); }))
       wrong();
     out.push_back({p[0].get<double>(), p[1].get<double>(), p[2].get<double>()});
   };
   if (at[0].is_array())
-    for (const Json& p : at) point(p);
+    for (const nlohmann::json& p : at) point(p);
   else
     point(at);
   return out;
 }
 
-Value json_value(const Json& v, std::string_view name, std::string_view where) {
+Value json_value(const nlohmann::json& v, std::string_view name, std::string_view where) {
   if (v.is_boolean()) return v.get<bool>();
   if (v.is_number_integer()) return v.get<std::int64_t>();
   if (v.is_number()) return v.get<double>();
   if (v.is_string()) return v.get<std::string>();
-  if (v.is_array() && std::all_of(v.begin(), v.end(), [](const Json& n) { return n.is_number(); }))
+  if (v.is_array() && std::all_of(v.begin(), v.end(), [](const nlohmann::json& n) { return n.is_number(); }))
     return v.get<std::vector<double>>();
   fail(ErrorKind::usage, "{}: \"{}\" must be text, a number or a list of numbers", where, name);
 }
 
-Stroke json_stroke(const Json& object, std::string_view where) {
+Stroke json_stroke(const nlohmann::json& object, std::string_view where) {
   if (!object.is_object()) fail(ErrorKind::usage, "{}: must be an object with \"brush\" and \"at\"", where);
   const auto name = object.find("brush");
   if (name == object.end() || !name->is_string())
@@ -174,10 +173,10 @@ Stroke json_stroke(const Json& object, std::string_view where) {
 }
 
 std::vector<Stroke> parse_json(std::string_view text, std::string_view name) {
-  const Json root = Json::parse(text, nullptr, false);
+  const nlohmann::json root = nlohmann::json::parse(text, nullptr, false);
   if (root.is_discarded()) fail(ErrorKind::input, "{}: is not valid JSON", name);
   std::vector<Stroke> out;
-  const auto one = [&](const Json& object) {
+  const auto one = [&](const nlohmann::json& object) {
     try {
       out.push_back(json_stroke(object, fmt::format("{}: stroke {}", name, out.size() + 1)));
     } catch (const Error& error) {
@@ -185,7 +184,7 @@ std::vector<Stroke> parse_json(std::string_view text, std::string_view name) {
     }
   };
   if (root.is_array())
-    for (const Json& object : root) one(object);
+    for (const nlohmann::json& object : root) one(object);
   else
     one(root);
   return out;

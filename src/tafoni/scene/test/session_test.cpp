@@ -21,7 +21,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr std::string_view ground =
+constexpr std::string_view bare_ground =
     "# a scene of mine\n[scene]\nvoxel = 2   # coarse\nseed = 5\nmin_fragment = 50\n"
     "[terrain]\ngenerator = \"coast\"\nwidth = 32\nheight = 24\npixel = 2\n\n";
 
@@ -44,7 +44,7 @@ class SessionScene : public ::testing::Test {
   const fs::path root = folder.path;
 };
 
-bool same_mesh(const mesh::Mesh& a, const mesh::Mesh& b) {
+bool same_whole_mesh(const mesh::Mesh& a, const mesh::Mesh& b) {
   return a.positions == b.positions && a.normals == b.normals && a.triangles == b.triangles &&
          a.colors == b.colors && a.origin == b.origin;
 }
@@ -111,7 +111,7 @@ TEST_F(SessionScene, AnyHistoryBuildsAndMeshesAsAFreshBuildDoes) {
   write("p.csv", "kind,x,y,z,radius,energy\npoint,40,30,20,6,-3\nsphere,60,30,20,4,9\n");
   write("first.strokes", "sphere at=30,30,15 radius=5\n");
   const fs::path file =
-      write("s.toml", std::string(ground) +
+      write("s.toml", std::string(bare_ground) +
                           "[[geology]]\ntype = \"planes\"\n"
                           "[[layer]]\ntype = \"sculpt\"\nname = \"low\"\nstrokes = \"first.strokes\"\n"
                           "[[layer]]\ntype = \"primitives\"\nname = \"balls\"\nfile = \"p.csv\"\n"
@@ -127,17 +127,17 @@ TEST_F(SessionScene, AnyHistoryBuildsAndMeshesAsAFreshBuildDoes) {
     session.update();
     const MeshResult incremental = session.mesh();
     const BuiltScene fresh = build(session.document());
-    ASSERT_TRUE(same_mesh(incremental.mesh, mesh_scene(fresh).mesh)) << "at step " << step;
+    ASSERT_TRUE(same_whole_mesh(incremental.mesh, mesh_scene(fresh).mesh)) << "at step " << step;
     meshed_less += session.mesher().stats().chunks < session.mesher().chunks().size();
   }
   EXPECT_GT(meshed_less, steps / 10);
   session.save();
-  EXPECT_TRUE(same_mesh(session.mesh().mesh, mesh_scene(build(load_scene(file))).mesh));
+  EXPECT_TRUE(same_whole_mesh(session.mesh().mesh, mesh_scene(build(load_scene(file))).mesh));
   EXPECT_THAT(io::read_text(file), HasSubstr("voxel = 2   # coarse"));
 }
 
 TEST_F(SessionScene, RunsOnlyWhatChangedAndWhatComesAfter) {
-  const fs::path file = write("s.toml", std::string(ground) +
+  const fs::path file = write("s.toml", std::string(bare_ground) +
                                             "[[layer]]\ntype = \"sea-cliff\"\nname = \"a\"\n"
                                             "[[layer]]\ntype = \"sea-cliff\"\nname = \"b\"\n"
                                             "[[layer]]\ntype = \"sea-cliff\"\nname = \"c\"\n");
@@ -163,8 +163,8 @@ TEST_F(SessionScene, AFileThatChangesRunsItsLayerAgain) {
   write("p.csv", "kind,x,y,z,radius,energy\npoint,40,30,20,6,-3\npoint,60,30,20,6,-3\n");
   write("m.asc", head + "1 1\n1 1\n");
   const fs::path file =
-      write("s.toml",
-            std::string(ground) + "[[layer]]\ntype = \"primitives\"\nfile = \"p.csv\"\nmask = \"m.asc\"\n");
+      write("s.toml", std::string(bare_ground) +
+                          "[[layer]]\ntype = \"primitives\"\nfile = \"p.csv\"\nmask = \"m.asc\"\n");
   Session session = Session::open(file);
   const auto count = [&] {
     return field::stats(session.update().scene->layers.at(0).made.nodes.at(0)).primitives;
@@ -182,7 +182,7 @@ TEST_F(SessionScene, AFileThatChangesRunsItsLayerAgain) {
 TEST_F(SessionScene, PaintLimitsALayer) {
   write("p.csv", "kind,x,y,z,radius,energy\npoint,20,30,20,6,-3\npoint,60,30,20,6,-3\n");
   const fs::path file =
-      write("s.toml", std::string(ground) +
+      write("s.toml", std::string(bare_ground) +
                           "[[layer]]\ntype = \"primitives\"\nfile = \"p.csv\"\nmask = \"paint:here\"\n"
                           "[[layer]]\ntype = \"sculpt\"\n");
   Session session = Session::open(file);
@@ -204,7 +204,7 @@ TEST_F(SessionScene, PaintLimitsALayer) {
 }
 
 TEST_F(SessionScene, StrokesSurviveARestartAndTheSceneKeepsItsComments) {
-  const fs::path file = write("s.toml", ground);
+  const fs::path file = write("s.toml", bare_ground);
   {
     Session session = Session::open(file);
     const std::size_t layer = session.sculpt_layer("dig");
@@ -225,7 +225,7 @@ TEST_F(SessionScene, StrokesSurviveARestartAndTheSceneKeepsItsComments) {
 }
 
 TEST_F(SessionScene, AWrongStrokeIsNotStored) {
-  const fs::path file = write("s.toml", ground);
+  const fs::path file = write("s.toml", bare_ground);
   Session session = Session::open(file);
   const std::size_t layer = session.sculpt_layer();
   Stroke stroke;
@@ -242,9 +242,9 @@ TEST_F(SessionScene, WhatComesLastWins) {
         "sphere at=40,30,-8 radius=6 roughness=0\nsphere at=41,30,-8 radius=6 roughness=0\n"
         "sphere at=40,31,-8 radius=6 roughness=0\nsphere at=40,30,-8 radius=9 roughness=0 mode=add\n");
   const auto value = [&](const std::string& strokes, Vec3d at) {
-    const BuiltScene s = build(load_scene(write(
-        "s.toml",
-        std::string(ground) + "depth = 40\n[[layer]]\ntype = \"sculpt\"\nstrokes = \"" + strokes + "\"\n")));
+    const BuiltScene s = build(load_scene(
+        write("s.toml", std::string(bare_ground) + "depth = 40\n[[layer]]\ntype = \"sculpt\"\nstrokes = \"" +
+                            strokes + "\"\n")));
     return s.field_for(surface::Boundary::open).value(s.terrain.to_local(at));
   };
   EXPECT_LT(value("a.strokes", {40, 30, -8}), 0);

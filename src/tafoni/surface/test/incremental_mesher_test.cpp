@@ -20,13 +20,13 @@ namespace tafoni::surface {
 namespace {
 
 template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+bool equal_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
 bool same_mesh(const mesh::Mesh& a, const mesh::Mesh& b) {
-  return same_bytes(a.positions, b.positions) && same_bytes(a.normals, b.normals) &&
-         same_bytes(a.triangles, b.triangles);
+  return equal_bytes(a.positions, b.positions) && equal_bytes(a.normals, b.normals) &&
+         equal_bytes(a.triangles, b.triangles);
 }
 
 field::NodePtr hills() {

@@ -23,7 +23,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::uint32_t bits(float v) {
+std::uint32_t bits_of(float v) {
   return std::bit_cast<std::uint32_t>(v);
 }
 
@@ -67,7 +67,8 @@ TEST(Sample, HoldsTheFieldsBits) {
     for (int i = 0; i < 20000; ++i) {
       const auto index = [&](int n) { return draw_index(random, n); };
       const Vec3i s{index(frame.size.x), index(frame.size.y), index(frame.size.z)};
-      ASSERT_EQ(bits(grid.at(s)), bits(field.value(frame.position(s)))) << s.x << " " << s.y << " " << s.z;
+      ASSERT_EQ(bits_of(grid.at(s)), bits_of(field.value(frame.position(s))))
+          << s.x << " " << s.y << " " << s.z;
     }
   }
 }
@@ -82,7 +83,7 @@ TEST(Sample, LimitsToABandAndRoundsToHalf) {
     for (int y = 0; y < frame.size.y; y += 3)
       for (int x = 0; x < frame.size.x; ++x) {
         const float v = std::clamp(whole.at({x, y, z}), -2.5f, 2.5f);
-        ASSERT_EQ(bits(band.at({x, y, z})), bits(v));
+        ASSERT_EQ(bits_of(band.at({x, y, z})), bits_of(v));
         // Half precision has 11 bits: half an ulp is 2^-12 of the power of two below.
         const float ulp = std::ldexp(1.0f, std::max(std::ilogb(v == 0 ? 1e-9f : v), -14) - 10);
         ASSERT_LE(std::abs(half.at({x, y, z}) - v), ulp / 2);

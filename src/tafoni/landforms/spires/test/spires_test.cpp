@@ -12,12 +12,12 @@ Result spires(const Site& site, Values values = {}) {
   return find_landform("spires").generate(site, values, silent());
 }
 
-double flat(double, double) {
+double level_ground(double, double) {
   return 0;
 }
 
 TEST(Spires, StandOnTheGroundAndAreTallAndSlender) {
-  Coast coast([](Vec3d) { return 0.6; }, flat);
+  Coast coast([](Vec3d) { return 0.6; }, level_ground);
   const Result result =
       spires(coast.site, {{"count", std::int64_t{5}}, {"height", 60.0}, {"slenderness", 6.0}});
   const auto field = test::carved(coast.site, result);
@@ -34,7 +34,7 @@ TEST(Spires, StandOnTheGroundAndAreTallAndSlender) {
 
 TEST(Spires, HardBedsStandOut) {
   const auto beds = [](Vec3d p) { return std::fmod(p.z + 600, 8) < 4 ? 0.0 : 1.0; };
-  Coast coast(beds, flat);
+  Coast coast(beds, level_ground);
   const Result result =
       spires(coast.site, {{"count", std::int64_t{6}}, {"height", 60.0}, {"strata", 1.0}, {"roughness", 0.0}});
   const auto field = test::carved(coast.site, result);
