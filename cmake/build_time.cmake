@@ -3,7 +3,8 @@
 # a command needs no -O3. The preset `debug` compiles every source alone, with -Wshadow.
 
 # Of which modules the Release build optimises less than -O3. Results do not depend on it: floating point is
-# neither reordered nor fused. What reads, writes and reports need not be fast, nor what plans a landform once.
+# neither reordered nor fused. What reads, writes and reports need not be fast, nor what plans a landform once;
+# -O3 gains the kernels of fields and surfaces nothing, which are written in vectors, but a volume's samples 5 %.
 set(level_of_core -O1)
 set(level_of_field -O2)
 set(level_of_surface -O2)
@@ -18,8 +19,9 @@ set(level_of_scene -Og)
 set(level_of_runtime -O1)
 
 # What a mesh asks at every sample, or what goes over samples itself, is compiled at -O2 all the same: sources of
-# the module in which the regular expression is found. (At -Og a grammar cave takes twice as long to mesh.)
-set(hot_in_landforms "field::Function|RockShape::|public RockShape|ScalarGrid|ChunkSamples")
+# the module in which the regular expression is found. (At -Og a grammar cave takes twice as long to mesh; the one
+# function of a field in scene asks a grid, and is no slower.)
+set(hot_in_landforms "field::Function|RockShape::|public RockShape|ScalarGrid|ChunkSamples|Outline::")
 
 # tafoni_unit(TARGET NAME HEAD SOURCE...): compiles the sources as one, whose text begins with HEAD, in which
 # @unit@ stands for the unit's own path.
@@ -35,9 +37,9 @@ function(tafoni_unit target name head)
   set_source_files_properties(${ARGN} PROPERTIES HEADER_FILE_ONLY ON)
 endfunction()
 
-# tafoni_build_together(TARGET [LEVEL [HOT]]): its sources by about 100 at a time, optimised to LEVEL; those in
-# which HOT is found, to -O2. Those with kernels make one unit, which Highway's foreach_target.h reads once for
-# every instruction set.
+# tafoni_build_together(TARGET [LEVEL [HOT]]): its sources by about 100 at a time, optimised to LEVEL in a Release
+# build; those in which HOT is found, to -O2. Those with kernels make one unit, which Highway's foreach_target.h
+# reads once for every instruction set. What a source is, is looked at when CMake configures.
 set(kernels_head "#undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE \"@unit@\"
 #include <hwy/foreach_target.h>
@@ -45,11 +47,13 @@ set(kernels_head "#undef HWY_TARGET_INCLUDE
 ")
 function(tafoni_build_together target)
   get_target_property(sources ${target} SOURCES)
-  list(FILTER sources INCLUDE REGEX "^${CMAKE_SOURCE_DIR}/")
-  list(FILTER sources EXCLUDE REGEX "^${CMAKE_BINARY_DIR}/")
   set(kernels "")
   set(hot "")
   foreach(source IN LISTS sources)
+    string(FIND "${source}" "${CMAKE_BINARY_DIR}/generated/" generated)
+    if(generated EQUAL 0)
+      continue()
+    endif()
     file(STRINGS ${source} lines REGEX "HWY_BEFORE_NAMESPACE" LIMIT_COUNT 1)
     if(lines)
       list(APPEND kernels ${source})
@@ -62,12 +66,19 @@ function(tafoni_build_together target)
   endforeach()
   if(ARGC GREATER 1 AND CMAKE_BUILD_TYPE STREQUAL "Release")
     target_compile_options(${target} PRIVATE ${ARGV1})
+    if(ARGV1 STREQUAL "-Og") # g++ knows too little of a value then
+      target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+    endif()
   else()
     set(hot "")
   endif()
 
   if(TAFONI_UNITY)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 100)
+    set(batch 100)
+    if(NOT CMAKE_BUILD_TYPE STREQUAL "Release") # sanitizers and debug information take memory
+      set(batch 30)
+    endif()
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
     if(kernels)
       tafoni_unit(${target} kernels "${kernels_head}" ${kernels})
     endif()

@@ -8,16 +8,15 @@ say() { printf '\n== %s\n' "$*"; }
 
 seconds() { printf '%dm%02ds' $(($1 / 60)) $(($1 % 60)); }
 
-# build PRESET [TARGET...]: configures when there is no build tree yet (ninja itself runs CMake again when its files
-# change), or where it is not as `options` says, and builds.
-options=()
+# build PRESET [TARGET...]: configures when there is no build tree yet (ninja itself runs CMake again when
+# its files change) and builds.
 build() {
   local preset=$1
   shift
   local dir=$root/build/$preset
-  if [[ ! -f $dir/build.ninja || ${#options[@]} -gt 0 ]]; then
+  if [[ ! -f $dir/build.ninja ]]; then
     say "configuring $preset"
-    (cd "$root" && cmake --preset "$preset" --log-level=WARNING "${options[@]}" >/dev/null)
+    (cd "$root" && cmake --preset "$preset" --log-level=WARNING >/dev/null)
   fi
   say "building $preset"
   local targets=()

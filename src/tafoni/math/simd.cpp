@@ -30,7 +30,7 @@ void limit_simd() {
 
 std::string simd_name() {
   limit_simd();
-  const std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS;  // of those compiled
+  const std::int64_t targets = hwy::SupportedTargets();
   if (targets & HWY_AVX3) return "avx512";
   if (targets & HWY_AVX2) return "avx2";
   if (targets & HWY_SSE4) return "sse4";

@@ -1,5 +1,6 @@
 #pragma once
-// JSON's text, read and written here alone, so that nlohmann's reader and writer are compiled once.
+// JSON's text, which this module reads and writes here alone: nlohmann's reader and writer take long to
+// compile.
 
 #include <string>
 #include <string_view>

@@ -27,7 +27,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::filesystem::path temporary(const std::string& name) {
+std::filesystem::path in_temporary_folder(const std::string& name) {
   static const TestFolder folder;
   return folder.path / name;
 }
@@ -100,7 +100,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, EveryMeshFormat, testing::ValuesIn(writable())
 
 TEST_P(EveryMeshFormat, RoundTripKeepsGeometryToTheBit) {
   const mesh::Mesh mesh = bumpy_sphere();
-  const auto path = temporary("round." + GetParam()->extensions.front());
+  const auto path = in_temporary_folder("round." + GetParam()->extensions.front());
   write_mesh(path, mesh,
              {.name = "bumpy\nsphere", .crs = "EPSG:26910", .generator = {{"seed", std::int64_t{7}}}});
   const mesh::Mesh back = read_mesh(path);
@@ -124,7 +124,7 @@ TEST_P(EveryMeshFormat, WritesBareGeometry) {
   mesh::Mesh mesh = bumpy_sphere();
   mesh.normals.clear();
   mesh.colors.clear();
-  const auto path = temporary("bare." + GetParam()->extensions.front());
+  const auto path = in_temporary_folder("bare." + GetParam()->extensions.front());
   write_mesh(path, mesh);
   const mesh::Mesh back = read_mesh(path);
   EXPECT_EQ(back.triangles.size(), mesh.triangles.size());
@@ -134,7 +134,7 @@ TEST_P(EveryMeshFormat, WritesBareGeometry) {
 
 TEST_P(EveryMeshFormat, TruncatedAnywhereIsRefusedOrReadsLess) {
   mesh::Mesh mesh = bumpy_sphere(2, 4);
-  const auto path = temporary("short." + GetParam()->extensions.front());
+  const auto path = in_temporary_folder("short." + GetParam()->extensions.front());
   write_mesh(path, mesh);
   const std::string bytes = bytes_of(path);
   int refused = 0;
@@ -152,7 +152,7 @@ TEST_P(EveryMeshFormat, TruncatedAnywhereIsRefusedOrReadsLess) {
 }
 
 TEST_P(EveryMeshFormat, MutatedBytesNeverCrash) {
-  const auto path = temporary("mutant." + GetParam()->extensions.front());
+  const auto path = in_temporary_folder("mutant." + GetParam()->extensions.front());
   write_mesh(path, bumpy_sphere(2, 4));
   const std::string bytes = bytes_of(path);
   Random random(11);
@@ -192,7 +192,7 @@ TEST_P(EveryMeshFormat, CancelledWritingLeavesNothing) {
   struct Stopping : Progress {
     void on_advance(std::uint64_t) override { cancel(); }
   } progress;
-  const auto path = temporary("cancelled." + GetParam()->extensions.front());
+  const auto path = in_temporary_folder("cancelled." + GetParam()->extensions.front());
   error_as([&] { write_mesh(path, bumpy_sphere(), {}, progress); }, ErrorKind::cancelled);
   EXPECT_FALSE(std::filesystem::exists(path));
 }
@@ -223,13 +223,14 @@ TEST(Format, UnknownExtensionListsTheKnownOnes) {
 
 TEST(Format, UnwritablePathsAndEmptyMeshesGiveOneSentence) {
   error_as([] { write_mesh("/nonexistent/folder/a.glb", bumpy_sphere()); }, ErrorKind::output);
-  error_as([] { write_mesh(temporary("empty.glb"), {}); }, ErrorKind::output);
+  error_as([] { write_mesh(in_temporary_folder("empty.glb"), {}); }, ErrorKind::output);
   error_as([] { write_image("/nonexistent/folder/a.png", raster::Image(2, 2)); }, ErrorKind::output);
-  error_as([] { write_image(temporary("empty.png"), {}); }, ErrorKind::output);
+  error_as([] { write_image(in_temporary_folder("empty.png"), {}); }, ErrorKind::output);
   EXPECT_THAT(error_as([] { read_mesh("/nonexistent.ply"); }, ErrorKind::input), HasSubstr("nonexistent"));
   error_as([] { read_mesh(std::filesystem::temp_directory_path().string() + "/."); }, ErrorKind::usage);
-  std::ofstream(temporary("zero.ply")).close();
-  EXPECT_THAT(error_as([] { read_mesh(temporary("zero.ply")); }, ErrorKind::input), HasSubstr("empty"));
+  std::ofstream(in_temporary_folder("zero.ply")).close();
+  EXPECT_THAT(error_as([] { read_mesh(in_temporary_folder("zero.ply")); }, ErrorKind::input),
+              HasSubstr("empty"));
 }
 
 TEST(Format, FullDiskGivesOneSentenceAndLeavesNothing) {
@@ -242,7 +243,7 @@ TEST(Format, FullDiskGivesOneSentenceAndLeavesNothing) {
   const rlimit tight{4096, before.rlim_max};
   for (const FormatType* format : all_formats()) {
     const std::string name = "full." + format->extensions.front();
-    const auto path = temporary(name);
+    const auto path = in_temporary_folder(name);
     const auto expect_failure = [&](const auto& write) {
       ::setrlimit(RLIMIT_FSIZE, &tight);
       std::string text = "no error";
@@ -263,10 +264,10 @@ TEST(Format, FullDiskGivesOneSentenceAndLeavesNothing) {
 }
 
 TEST(Glb, KhronosValidatorFindsNothing) {
-  const auto path = temporary("valid.glb");
+  const auto path = in_temporary_folder("valid.glb");
   mesh::Mesh mesh = bumpy_sphere();
   write_mesh(path, mesh, {.name = "valid", .crs = "EPSG:26910", .generator = {{"seed", std::int64_t{7}}}});
-  const auto bare = temporary("bare_valid.glb");
+  const auto bare = in_temporary_folder("bare_valid.glb");
   mesh.normals.clear();
   mesh.colors.clear();
   write_mesh(bare, mesh);
@@ -287,7 +288,7 @@ TEST(Formats, KeepTextureCoordinatesAndSharedVertices) {
   for (const FormatType* format : all_formats()) {
     if (!format->write_mesh || !format->read_mesh) continue;
     for (const mesh::Mesh* mesh : {&full, &bare}) {
-      const auto path = temporary("textured." + format->extensions[0]);
+      const auto path = in_temporary_folder("textured." + format->extensions[0]);
       write_mesh(path, *mesh);
       const mesh::Mesh back = read_mesh(path);
       if (!format->texture) {
@@ -310,8 +311,8 @@ TEST(Formats, KeepTextureCoordinatesAndSharedVertices) {
 
 TEST(Obj, ReadsCornersWithAndWithoutTexture) {
   const auto read = [](const std::string& text) {
-    std::ofstream(temporary("corners.obj")) << text;
-    return read_mesh(temporary("corners.obj"));
+    std::ofstream(in_temporary_folder("corners.obj")) << text;
+    return read_mesh(in_temporary_folder("corners.obj"));
   };
   const std::string points = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0.5 0.25\nvt 1\n";
   const mesh::Mesh quad = read(points + "f 1/1 2/2 3/1 4/2\n");

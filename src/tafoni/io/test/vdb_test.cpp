@@ -37,7 +37,7 @@ void save(const std::filesystem::path& path, const openvdb::GridBase::Ptr& grid)
   file.close();
 }
 
-std::string sentence(const std::filesystem::path& path) {
+std::string told_sentence(const std::filesystem::path& path) {
   try {
     read_volume(path);
   } catch (const Error& error) {
@@ -204,7 +204,7 @@ TEST_F(Vdb, RefusesWhatItCannotHold) {
   const auto with = [&](const openvdb::Mat4d& m) {
     grid->setTransform(openvdb::math::Transform::createLinearTransform(m));
     save(path("a.vdb"), grid);
-    return sentence(path("a.vdb"));
+    return told_sentence(path("a.vdb"));
   };
   openvdb::Mat4d m = openvdb::Mat4d::identity();
   m[2][2] = 2;
@@ -216,9 +216,9 @@ TEST_F(Vdb, RefusesWhatItCannotHold) {
   EXPECT_THAT(with(m), HasSubstr("mirrored"));
 
   save(path("b.vdb"), openvdb::DoubleGrid::create(1.0));
-  EXPECT_THAT(sentence(path("b.vdb")), HasSubstr("double"));
+  EXPECT_THAT(told_sentence(path("b.vdb")), HasSubstr("double"));
   save(path("c.vdb"), FloatGrid::create(1.0f));
-  EXPECT_THAT(sentence(path("c.vdb")), HasSubstr("no active voxels"));
+  EXPECT_THAT(told_sentence(path("c.vdb")), HasSubstr("no active voxels"));
 }
 
 TEST_F(Vdb, RefusedFramesNameTheFile) {
@@ -229,7 +229,7 @@ TEST_F(Vdb, RefusedFramesNameTheFile) {
     grid->insertMeta("tafoni_size", openvdb::Vec3IMetadata(size));
     grid->insertMeta("world_origin", openvdb::Vec3DMetadata(world));
     save(path("d.vdb"), grid);
-    return sentence(path("d.vdb"));
+    return told_sentence(path("d.vdb"));
   };
   const openvdb::Vec3d zero(0, 0, 0);
   EXPECT_EQ(with({9, 9, 9}, zero), "");
@@ -248,12 +248,12 @@ TEST_F(Vdb, VoxelsAtTheEndsOfTheIndexSpaceAreRefused) {
     auto grid = FloatGrid::create(1.0f);
     for (const int x : {lo, hi}) grid->tree().setValueOn(Coord(x, 0, 0), -1);
     save(path("e.vdb"), grid);
-    EXPECT_THAT(sentence(path("e.vdb")), HasSubstr("indices")) << lo << " " << hi;
+    EXPECT_THAT(told_sentence(path("e.vdb")), HasSubstr("indices")) << lo << " " << hi;
   }
   auto far = FloatGrid::create(1.0f);  // as far out as can be read
   for (int i = 0; i < 3; ++i) far->tree().setValueOn(Coord(most - 8 + i, 0, least + 9 + i), -1);
   save(path("f.vdb"), far);
-  EXPECT_EQ(sentence(path("f.vdb")), "");
+  EXPECT_EQ(told_sentence(path("f.vdb")), "");
 }
 
 TEST_F(Vdb, WhatOthersAddBeyondTheFrameIsRead) {
