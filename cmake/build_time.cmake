@@ -7,22 +7,22 @@
 # with fields and surfaces at -O2, whose kernels are written in vectors, no example took longer to build, while a
 # hive took a sixth longer with volumes at -O2.
 set(level_of_core -O1)
-set(level_of_field -O2)
-set(level_of_surface -O2)
-set(level_of_terrain -O1)
+set(level_of_field -O3)
+set(level_of_surface -O3)
+set(level_of_terrain -O3)
 set(level_of_geology -O2)
 set(level_of_grammar -O2)
 set(level_of_landforms -Og)
-set(level_of_mesh -O2)
+set(level_of_mesh -O3)
 set(level_of_render -O2)
 set(level_of_io -O1)
 set(level_of_scene -Og)
 set(level_of_runtime -O1)
 
-# What a mesh asks at every sample, or what goes over samples itself, is compiled at -O2 all the same: sources of
-# the module in which the regular expression is found. (At -Og a grammar cave takes twice as long to mesh; the one
-# function of a field in scene asks a grid, and is no slower.)
-set(hot_in_landforms "field::Function|RockShape::|public RockShape|ScalarGrid|ChunkSamples|Outline::")
+# What a mesh asks at every sample, or what goes over samples itself, is compiled at -O3 all the same: sources of
+# the module in which the regular expression is found. (At -Og a grammar cave takes twice as long to mesh, and a
+# canyon's streams a quarter longer to look for; the one function of a field in scene asks a grid, and is no slower.)
+set(hot_in_landforms "field::Function|RockShape::|public RockShape|ScalarGrid|ChunkSamples|Outline::|SurfaceSample|parallel_for")
 
 # tafoni_unit(TARGET NAME HEAD SOURCE...): compiles the sources as one, whose text begins with HEAD, in which
 # @unit@ stands for the unit's own path.
@@ -39,7 +39,7 @@ function(tafoni_unit target name head)
 endfunction()
 
 # tafoni_build_together(TARGET [LEVEL [HOT]]): its sources by about 100 at a time, optimised to LEVEL in a Release
-# build; those in which HOT is found, to -O2. Those with kernels make one unit, which Highway's foreach_target.h
+# build; those in which HOT is found, to -O3. Those with kernels make one unit, which Highway's foreach_target.h
 # reads once for every instruction set. What a source is, is looked at when CMake configures.
 set(kernels_head "#undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE \"@unit@\"
@@ -85,7 +85,7 @@ function(tafoni_build_together target)
     endif()
     if(hot)
       tafoni_unit(${target} hot "" ${hot})
-      set_source_files_properties(${CMAKE_BINARY_DIR}/generated/${target}_hot.cpp PROPERTIES COMPILE_OPTIONS -O2)
+      set_source_files_properties(${CMAKE_BINARY_DIR}/generated/${target}_hot.cpp PROPERTIES COMPILE_OPTIONS -O3)
     endif()
     return()
   endif()
@@ -94,7 +94,7 @@ function(tafoni_build_together target)
     tafoni_unit(${target} kernels_${name} "${kernels_head}" ${source})
   endforeach()
   if(hot)
-    set_source_files_properties(${hot} PROPERTIES COMPILE_OPTIONS -O2)
+    set_source_files_properties(${hot} PROPERTIES COMPILE_OPTIONS -O3)
   endif()
 endfunction()
 

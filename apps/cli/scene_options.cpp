@@ -62,7 +62,7 @@ void SceneOptions::apply(scene::Document& document) const {
   if (!boundary.empty()) document.scene.boundary = boundary;
   for (const std::string& assignment : set) scene::set(document, assignment);
   try {
-    scene::check(document, "the scene");
+    scene::check(document);
   } catch (const Error& error) {
     // What a file says was checked when it was read.
     fail(ErrorKind::usage, "{}", error.what());

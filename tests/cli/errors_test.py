@@ -76,7 +76,12 @@ class Errors(Case):
         self.fails(3, "missing.toml: does not exist", "build", "missing.toml", "-o", "a.glb")
         self.fails(3, "missing.glb", "validate", "missing.glb")
         (self.dir / "s.toml").write_text("[terrain]\nsource = 'hill.asc'\ninfluence = 99\n")
-        self.fails(3, "s.toml: influence = 99 m is more than three times", "build", "s.toml", "-o", "a.glb")
+        self.fails(3, "s.toml:3: influence = 99 m is more than three times", "build", "s.toml", "-o", "a.glb")
+        for line, key in ((2, "source = 'missing.asc'"), (3, "crs = 'EPSG:999999'"), (3, "domain = 'missing.geojson'")):
+            source = "" if line == 2 else "source = 'hill.asc'\n"
+            (self.dir / "s.toml").write_text(f"[terrain]\n{source}{key}\n")
+            self.hill()
+            self.fails(3, f"s.toml:{line}: ", "build", "s.toml", "-o", "a.glb")
         self.hill()
         self.fails(3, "missing.csv: does not exist", "query", "hill.asc", "--points", "missing.csv")
         self.fails(3, "x is \"a\", which is not a number", "query", "hill.asc", "--points", "-", stdin="x,y,z\na,1,2\n")

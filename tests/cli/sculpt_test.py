@@ -30,6 +30,12 @@ class Sculpt(Case):
         self.assertEqual([s["id"] for s in self.strokes()], [1, 3])
         self.assertEqual(len(json.loads(self.passes("sculpt", "s.toml", "--all", "--json"))), 3)
         self.assertEqual([s["id"] for s in self.strokes("--go-to", "2")], [1, 2])
+        for args, said in ((("--mute", "2"), "muted  stroke 2, as it was before"), (("--unmute", "2"), "unmuted  stroke 2\n"),
+                           (("--go-to", "3"), "applied  2 strokes"), (("--go-to", "2"), "applied  2 strokes"),
+                           (("--write", "w.txt"), "wrote  2 strokes to w.txt")):
+            self.assertIn(said, self.passes("sculpt", "s.toml", *args))
+        self.assertEqual(json.loads(self.passes("sculpt", "s.toml", "--mute", "2", "--json")), {"muted": 1})
+        self.assertEqual(json.loads(self.passes("sculpt", "s.toml", "--mute", "2", "--json")), {"muted": 0})
         self.passes("build", "s.toml", "-o", "a.glb")
         self.passes("validate", "a.glb", "--closed")
         self.assertFalse([name for name in self.files() if name.endswith("-journal")])

@@ -92,9 +92,18 @@ void edit(const Sculpt& s, scene::Session& session, std::size_t layer,
   };
   if (s.undo) say("undone", session.undo(layer, *s.undo));
   if (s.redo) say("redone", session.redo(layer, *s.redo));
-  if (s.go_to) session.go_to(layer, *s.go_to);
-  if (s.mute) session.mute_stroke(layer, *s.mute, true);
-  if (s.unmute) session.mute_stroke(layer, *s.unmute, false);
+  if (s.go_to) {
+    session.go_to(layer, *s.go_to);
+    say("applied", session.strokes(layer).size());
+  }
+  const auto mute = [&](const char* what, std::int64_t id, bool muted) {
+    const bool changed = session.mute_stroke(layer, id, muted);
+    done[what] = changed ? 1 : 0;
+    if (!console.json())
+      console.print(fmt::format("{}  stroke {}{}\n", what, id, changed ? "" : ", as it was before"));
+  };
+  if (s.mute) mute("muted", *s.mute, true);
+  if (s.unmute) mute("unmuted", *s.unmute, false);
   if (!strokes.empty()) {
     session.stroke(layer, strokes);
     say("stored", strokes.size());
@@ -135,7 +144,11 @@ int run(const Sculpt& s, Console& console) {
   if (s.list || s.all) print_list(s.all ? session.history(layer) : session.strokes(layer), console);
   if (!s.write.empty()) {
     check_files(s, session);  // the layer's journal may be new
-    write_file(s.write, as_file(session.strokes(layer)));
+    const auto written = session.strokes(layer);
+    write_file(s.write, as_file(written));
+    const auto acting = std::count_if(written.begin(), written.end(), [](const auto& e) { return !e.muted; });
+    if (!console.json())
+      console.print(fmt::format("wrote  {} stroke{} to {}\n", acting, acting == 1 ? "" : "s", s.write));
   }
   if (!builds) return 0;
   scene::Document document = session.document();

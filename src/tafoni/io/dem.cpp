@@ -422,6 +422,11 @@ DemInfo inspect_dem(const std::filesystem::path& path, const DemOptions& options
   return info;
 }
 
+void check_crs(const std::string& crs) {
+  impl::ensure_gdal();
+  impl::crs_from_wkt(crs);
+}
+
 void write_geotiff(const std::filesystem::path& path, const raster::Raster& raster) {
   impl::ensure_gdal();
   AtomicFile file(path);

@@ -58,6 +58,9 @@ struct DemOptions {
   std::string crs;
 };
 
+/// Throws Error{input} for what DemOptions::own_crs cannot be.
+void check_crs(const std::string& crs);
+
 struct Dem {
   raster::Raster raster;           ///< metres, north-up, NaN outside the domain; at least 2 x 2
   std::vector<std::string> notes;  ///< every assumption and fix, one sentence each; also sent to warn()

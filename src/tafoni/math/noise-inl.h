@@ -25,33 +25,39 @@ TAFONI_LANES_INLINE NoiseCell noise_cell(Ints mx, Ints my, Ints mz) {
 
 namespace noise_detail {
 
+// Coordinates of the lattice are hashed by a multiple of each; that of a neighbour is one multiple more.
+inline constexpr std::int32_t hash_x = 0x27d4eb2d, hash_y = 0x165667b1, hash_z = 0x1b873593;
+inline constexpr auto sign_bit = static_cast<std::int32_t>(0x80000000u);
+
+/// `value` where the mask is set, else 0.
+TAFONI_LANES_INLINE Ints masked(Mask mask, std::int32_t value) {
+  return hn::IfThenElseZero(hn::RebindMask(int_tag, mask), hn::Set(int_tag, value));
+}
+/// `v`, negative where `sign` is the sign bit.
+TAFONI_LANES_INLINE Lanes flipped(Lanes v, Ints sign) {
+  return hn::BitCast(float_tag, (Ints(hn::BitCast(int_tag, v.v)) ^ sign).v);
+}
+
 /// One corner's t^4 (g . d) with t = 1/2 - |d|^2 (so that the kernel is C^2 and vanishes before the next
-/// simplex), and its gradient when `grad` is given. g is one of the twelve edge directions of a cube.
-TAFONI_LANES_INLINE Lanes corner(Lanes dx, Lanes dy, Lanes dz, Ints i, Ints j, Ints k, Ints seed,
-                                 Vec3N<Lanes>* grad) {
-  Ints h = (i * Ints(0x27d4eb2d)) ^ (j * Ints(0x165667b1)) ^ (k * Ints(0x1b873593)) ^ seed;
+/// simplex), and its gradient when `grad` is given. g is one of the twelve edge directions of a cube: one
+/// axis is left out, the first of the others has one sign, the second another.
+TAFONI_LANES_INLINE Lanes corner(Lanes dx, Lanes dy, Lanes dz, Ints h, Vec3N<Lanes>* grad) {
   h = h * Ints(0x2c1b3c6d);
   h = h ^ shift_right_unsigned<15>(h);
   h = h * Ints(0x297a2d39);
-  // Axis left out: bits 16.. scaled to 0, 1, 2. The two signs: the top bits.
-  const Ints axis = shift_right_unsigned<16>(shift_right_unsigned<16>(h & Ints(0x00ffff00)) * Ints(3 * 256));
-  const Lanes sign_a =
-      hn::BitCast(float_tag, ((h & Ints(static_cast<std::int32_t>(0x80000000u))) ^ Ints(0x3f800000)).v);
-  const Lanes sign_b = hn::BitCast(
-      float_tag, ((shift_left<1>(h) & Ints(static_cast<std::int32_t>(0x80000000u))) ^ Ints(0x3f800000)).v);
-  const Mask no_x = hn::RebindMask(float_tag, hn::Eq(axis.v, Ints(0).v));
-  const Mask no_y = hn::RebindMask(float_tag, hn::Eq(axis.v, Ints(1).v));
-  const Lanes gx = select(no_x, Lanes(0.f), sign_a);
-  const Lanes gy = select(no_y, Lanes(0.f), select(no_x, sign_a, sign_b));
-  const Lanes gz = select(no_x, sign_b, select(no_y, sign_b, Lanes(0.f)));
+  const Ints byte = h & Ints(0x00ff0000);  // in thirds: x, y or z is left out
+  const Mask no_x = hn::RebindMask(float_tag, hn::Lt(byte.v, Ints(86 << 16).v));
+  const Mask no_z = hn::RebindMask(float_tag, hn::Gt(byte.v, Ints(170 << 16).v));
+  const Ints first = h & Ints(sign_bit), second = shift_left<1>(h) & Ints(sign_bit);
   const Lanes t = max(neg_mul_add(dz, dz, neg_mul_add(dy, dy, neg_mul_add(dx, dx, Lanes(0.5f)))), Lanes(0.f));
   const Lanes t2 = t * t, t4 = t2 * t2;
-  const Lanes gd = mul_add(gz, dz, mul_add(gy, dy, gx * dx));
+  const Lanes gd = flipped(select(no_x, dy, dx), first) + flipped(select(no_z, dy, dz), second);
   if (grad) {
+    const Lanes zero(0.f), a = flipped(t4, first), b = flipped(t4, second);
     const Lanes k8 = Lanes(-8.f) * t2 * t * gd;
-    grad->x = grad->x + mul_add(k8, dx, t4 * gx);
-    grad->y = grad->y + mul_add(k8, dy, t4 * gy);
-    grad->z = grad->z + mul_add(k8, dz, t4 * gz);
+    grad->x = grad->x + mul_add(k8, dx, select(no_x, zero, a));
+    grad->y = grad->y + mul_add(k8, dy, select(no_x, a, select(no_z, b, zero)));
+    grad->z = grad->z + mul_add(k8, dz, select(no_z, zero, b));
   }
   return t4 * gd;
 }
@@ -70,27 +76,28 @@ TAFONI_LANES_INLINE Lanes simplex_lanes(Lanes x, Lanes y, Lanes z, const NoiseCe
   const Lanes unskew = (fi + fj + fk) * Lanes(1.f / 6);
   const Lanes x0 = x - fi + unskew, y0 = y - fj + unskew, z0 = z - fk + unskew;
   const Ints i = truncated(fi) + cell.x, j = truncated(fj) + cell.y, k = truncated(fk) + cell.z;
-  // Rank of each coordinate decides the walk through the simplex.
+  // Rank of each coordinate decides the walk through the simplex: first along the greatest, last along the
+  // least.
   const Mask xy = x0 >= y0, yz = y0 >= z0, xz = x0 >= z0;
-  const Lanes zero(0.f), one(1.f);
-  const Lanes i1 = select(hn::And(xy, xz), one, zero);
-  const Lanes j1 = select(hn::AndNot(xy, yz), one, zero);
-  const Lanes k1 = one - i1 - j1;
-  const Lanes i2 = select(hn::Or(xy, xz), one, zero);
-  const Lanes k2 = select(hn::And(xz, yz), zero, one);
-  const Lanes j2 = Lanes(2.f) - i2 - k2;
+  const Mask i1 = hn::And(xy, xz), j1 = hn::AndNot(xy, yz), k1 = hn::Not(hn::Or(i1, j1));
+  const Mask i2 = hn::Or(xy, xz), k2 = hn::Not(hn::And(xz, yz)), j2 = hn::Not(hn::And(i2, k2));
+  using namespace noise_detail;
+  const Ints hx = i * Ints(hash_x), hy = j * Ints(hash_y), hz = k * Ints(hash_z);
   const Ints s(static_cast<std::int32_t>(seed));
-  using noise_detail::corner;
+  const Lanes zero(0.f), one(1.f);
   Vec3N<Lanes> g{zero, zero, zero};
   Vec3N<Lanes>* gp = grad ? &g : nullptr;
   constexpr float c = 1.f / 6;
-  Lanes n = corner(x0, y0, z0, i, j, k, s, gp);
-  n = n + corner(x0 - i1 + Lanes(c), y0 - j1 + Lanes(c), z0 - k1 + Lanes(c), i + truncated(i1),
-                 j + truncated(j1), k + truncated(k1), s, gp);
-  n = n + corner(x0 - i2 + Lanes(2 * c), y0 - j2 + Lanes(2 * c), z0 - k2 + Lanes(2 * c), i + truncated(i2),
-                 j + truncated(j2), k + truncated(k2), s, gp);
-  n = n + corner(x0 - Lanes(0.5f), y0 - Lanes(0.5f), z0 - Lanes(0.5f), i + Ints(1), j + Ints(1), k + Ints(1),
-                 s, gp);
+  const auto next = [&](Mask di, Mask dj, Mask dk, float back) {
+    const Ints h = (hx + masked(di, hash_x)) ^ (hy + masked(dj, hash_y)) ^ (hz + masked(dk, hash_z)) ^ s;
+    return corner(x0 - select(di, one, zero) + Lanes(back), y0 - select(dj, one, zero) + Lanes(back),
+                  z0 - select(dk, one, zero) + Lanes(back), h, gp);
+  };
+  Lanes n = corner(x0, y0, z0, hx ^ hy ^ hz ^ s, gp);
+  n = n + next(i1, j1, k1, c);
+  n = n + next(i2, j2, k2, 2 * c);
+  n = n + corner(x0 - Lanes(0.5f), y0 - Lanes(0.5f), z0 - Lanes(0.5f),
+                 (hx + Ints(hash_x)) ^ (hy + Ints(hash_y)) ^ (hz + Ints(hash_z)) ^ s, gp);
   if (grad) {
     grad->x = mul_add(g.x, Lanes(simplex_scale), grad->x);
     grad->y = mul_add(g.y, Lanes(simplex_scale), grad->y);
@@ -99,11 +106,11 @@ TAFONI_LANES_INLINE Lanes simplex_lanes(Lanes x, Lanes y, Lanes z, const NoiseCe
   return n * Lanes(simplex_scale);
 }
 
-/// Normalised fBm in [-1, 1]: sum of 2^-k simplex(2^k q) over the sum of 2^-k. `grad` as above.
-/// One copy an instruction set: beside its octaves a call costs nothing, and copies in every kernel would be
-/// most of what there is to compile.
-HWY_NOINLINE inline Lanes fbm_lanes(Vec3N<Lanes> q, NoiseCell cell, int octaves, std::uint32_t seed,
-                                    Vec3N<Lanes>* grad) {
+namespace noise_detail {
+
+template <bool with_gradient>
+TAFONI_LANES_INLINE Lanes fbm_here(Vec3N<Lanes> q, NoiseCell cell, int octaves, std::uint32_t seed,
+                                   [[maybe_unused]] Vec3N<Lanes>* grad) {
   Lanes sum(0.f);
   Vec3N<Lanes> g{Lanes(0.f), Lanes(0.f), Lanes(0.f)};
   float amplitude = 1, total = 0;
@@ -111,18 +118,35 @@ HWY_NOINLINE inline Lanes fbm_lanes(Vec3N<Lanes> q, NoiseCell cell, int octaves,
     Vec3N<Lanes> octave_grad{Lanes(0.f), Lanes(0.f), Lanes(0.f)};
     const Lanes n =
         simplex_lanes(q.x, q.y, q.z, cell, seed + 0x9e3779b9u * static_cast<std::uint32_t>(octave),
-                      grad ? &octave_grad : nullptr);
+                      with_gradient ? &octave_grad : nullptr);
     sum = mul_add(n, Lanes(amplitude), sum);
     // d/dq of 2^-k n(2^k q) is the octave's own gradient: the two powers cancel.
-    if (grad) g = g + octave_grad;
+    if constexpr (with_gradient) g = g + octave_grad;
     total += amplitude;
     amplitude *= 0.5f;
     q = q * Lanes(2.f);
     cell = {cell.x + cell.x, cell.y + cell.y, cell.z + cell.z};
   }
   const Lanes norm(1.f / total);
-  if (grad) *grad = *grad + g * norm;
+  if constexpr (with_gradient) *grad = *grad + g * norm;
   return sum * norm;
+}
+
+/// Two copies an instruction set: copies in every kernel would be most of what there is to compile, and one
+/// for both that asks at each corner whether a gradient is wanted is a tenth slower.
+template <bool with_gradient>
+HWY_NOINLINE Lanes fbm_there(Vec3N<Lanes> q, const NoiseCell& cell, int octaves, std::uint32_t seed,
+                             Vec3N<Lanes>* grad) {
+  return fbm_here<with_gradient>(q, cell, octaves, seed, grad);
+}
+
+}  // namespace noise_detail
+
+/// Normalised fBm in [-1, 1]: sum of 2^-k simplex(2^k q) over the sum of 2^-k. `grad` as above.
+TAFONI_LANES_INLINE Lanes fbm_lanes(Vec3N<Lanes> q, const NoiseCell& cell, int octaves, std::uint32_t seed,
+                                    Vec3N<Lanes>* grad) {
+  return grad ? noise_detail::fbm_there<true>(q, cell, octaves, seed, grad)
+              : noise_detail::fbm_there<false>(q, cell, octaves, seed, nullptr);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -28,8 +28,9 @@ void fbm_points(const Vec3d* points, std::size_t n, int octaves, std::uint32_t s
       }
     }
     const NoiseCell cell = noise_cell(Ints::load(m[0]), Ints::load(m[1]), Ints::load(m[2]));
-    const Lanes t =
-        fbm_lanes({Lanes::load(q[0]), Lanes::load(q[1]), Lanes::load(q[2])}, cell, octaves, seed, nullptr);
+    // Here rather than there: the constants stay in registers from one group of points to the next.
+    const Lanes t = noise_detail::fbm_here<false>({Lanes::load(q[0]), Lanes::load(q[1]), Lanes::load(q[2])},
+                                                  cell, octaves, seed, nullptr);
     min(max(mul_add(t, Lanes(0.5f), Lanes(0.5f)), Lanes(0.f)), Lanes(1.f)).store(result);
     std::copy_n(result, count, out + begin);
   }

@@ -45,12 +45,12 @@ constexpr Vec3<T> cross(Vec3<T> a, Vec3<T> b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class T>
-T length(Vec3<T> a) {
+inline T length(Vec3<T> a) {
   return std::sqrt(dot(a, a));
 }
 /// Zero stays zero.
 template <class T>
-Vec3<T> normalized(Vec3<T> a) {
+inline Vec3<T> normalized(Vec3<T> a) {
   const T l = length(a);
   return l > T(0) ? a * (T(1) / l) : a;
 }

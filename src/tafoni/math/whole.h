@@ -6,16 +6,16 @@
 namespace tafoni {
 
 template <class Int = int>
-Int floor_to(double v) {
+inline Int floor_to(double v) {
   return static_cast<Int>(std::floor(v));
 }
 template <class Int = int>
-Int ceil_to(double v) {
+inline Int ceil_to(double v) {
   return static_cast<Int>(std::ceil(v));
 }
 /// The nearest; halves go away from zero.
 template <class Int = int>
-Int round_to(double v) {
+inline Int round_to(double v) {
   return static_cast<Int>(std::llround(v));
 }
 

@@ -79,14 +79,16 @@ struct Session::State {
     frame.origin = terrain.origin;
     frame.amplitude = document.terrain.amplitude;
     const auto over = [&](const Box3d& box) {
-      return impl::over_domain(terrain, box) && box.hi.z > terrain.box.lo.z - impl::deepest_base;
+      return impl::over_domain(terrain, box) && box.hi.z > terrain.box.lo.z - impl::deepest_base &&
+             box.lo.z < terrain.box.hi.z + impl::deepest_base;
     };
     impl::SculptCook trial;
     for (const Stroke& stroke : strokes) {
       const impl::Slot slot{std::make_shared<Stroke>(parse_stroke(to_text(stroke), "stroke")), false};
       if (impl::strokes_beside(*trial.cook({&slot, 1}, frame).value, over).count > 0)
         fail(ErrorKind::usage,
-             "the stroke \"{}\" lies outside of {}, or more than {:g} km below it; give its points in the "
+             "the stroke \"{}\" lies outside of {}, or more than {:g} km above or below it; give its points "
+             "in the "
              "scene's CRS",
              shown_stroke(stroke), impl::terrain_place(terrain), impl::deepest_base / 1000);
     }
@@ -134,7 +136,7 @@ struct Session::State {
 };
 
 Session::Session(Document document, fs::path file) : state_(std::make_unique<State>()) {
-  check(document, file.empty() ? "the scene" : file.string());
+  check(document);
   state_->document = std::move(document);
   state_->file = std::move(file);
 }
@@ -157,7 +159,7 @@ const fs::path& Session::file() const {
 void Session::change(const std::function<void(Document&)>& edit) {
   Document copy = state_->document;
   edit(copy);
-  check(copy, state_->file.empty() ? "the scene" : state_->file.string());
+  check(copy);
   state_->document = std::move(copy);
 }
 
@@ -287,11 +289,11 @@ std::vector<Journal::Entry> Session::history(std::size_t layer) {
   return journal ? journal->history() : std::vector<Journal::Entry>();
 }
 
-void Session::mute_stroke(std::size_t layer, std::int64_t id, bool muted) {
+bool Session::mute_stroke(std::size_t layer, std::int64_t id, bool muted) {
   state_->sculpt(layer);
   Journal* journal = state_->own_journal(layer);
   if (!journal) fail(ErrorKind::usage, "the layer has no stroke {}", id);
-  journal->mute(id, muted);
+  return journal->mute(id, muted);
 }
 
 Update Session::update(Progress& progress) {

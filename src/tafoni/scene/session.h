@@ -84,7 +84,8 @@ class Session {
   /// Journal::go_to() and Journal::history() of the layer.
   void go_to(std::size_t layer, std::int64_t id);
   std::vector<Journal::Entry> history(std::size_t layer);
-  void mute_stroke(std::size_t layer, std::int64_t id, bool muted);
+  /// Whether it was not so before.
+  bool mute_stroke(std::size_t layer, std::int64_t id, bool muted);
 
   /// Builds what changed, in the document, its files or its journals, since the last update.
   Update update(Progress& progress = silent());

@@ -68,7 +68,8 @@ struct Chunk {
     shown = normals;
     if (shown.empty()) return;
     piece.normals = shown;
-    impl::settle_inside(piece, voxel);
+    impl::SettleScratch scratch;
+    impl::settle_inside(piece, voxel, scratch);
     piece.normals = normals;
   }
   void read_signs(const ChunkSamples& from, const BrickBox& box);

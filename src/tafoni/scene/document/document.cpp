@@ -186,8 +186,14 @@ std::string enumerate(const std::vector<std::string>& names) {
 }  // namespace
 
 std::string place_of(const Document& document, const Layer& layer) {
-  if (document.file.empty() || layer.line <= 0) return {};
-  return fmt::format("{}:{}: ", document.file, layer.line);
+  return place_of(document, {{"", layer.line}}, "");
+}
+
+std::string place_of(const Document& document, const Lines& section, std::string_view key) {
+  auto found = section.find(key);
+  if (found == section.end()) found = section.find("");
+  if (document.file.empty() || found == section.end() || found->second <= 0) return {};
+  return fmt::format("{}:{}: ", document.file, found->second);
 }
 
 bool same(const Document& a, const Document& b) {
@@ -204,54 +210,72 @@ bool same(const Document& a, const Document& b) {
 // Nothing that anyone can mean is finer, and far finer lengths are beyond what numbers hold.
 static constexpr double least_length = 1e-4;
 
-void check(const Document& document, std::string_view where) {
+namespace {
+
+/// `at` is the layer's place.
+void check(const Layer& layer, const std::string& at) {
+  const LayerSettings& s = layer.settings;
+  if (s.mask == "paint:")
+    fail(ErrorKind::input, "{}mask = \"paint:\" names no mask; write one that strokes paint, as paint:region",
+         at);
+  if (!s.altitude.empty() && s.altitude[0] > s.altitude[1])
+    fail(ErrorKind::input, "{}altitude = {} of layer {} has its ends swapped", at, to_toml(s.altitude),
+         layer.type);
+  if (!s.box.empty() && (s.box[0] > s.box[3] || s.box[1] > s.box[4] || s.box[2] > s.box[5]))
+    fail(ErrorKind::input, "{}box = {} of layer {} is empty; it is west, south, bottom, east, north, top", at,
+         to_toml(s.box), layer.type);
+  const LayerType& type = find_layer_type(layer.type);
+  for (const auto& [name, what] : type.needs)
+    if (!layer.values.contains(name))
+      fail(ErrorKind::input, "{}a {} layer needs {}, {}", at, layer.type, name, what);
+  for (const std::string& name : type.leaves_out)
+    if (const ParamInfo& info = find_param(layer_params(), name, at); info.load(info, &s) != info.init)
+      fail(ErrorKind::input, "{}a {} layer {}; leave out {}", at, layer.type, type.because,
+           enumerate(type.leaves_out));
+}
+
+}  // namespace
+
+void check(const Document& document) {
   const TerrainSection& t = document.terrain;
+  const std::string scene = document.file.empty() ? "the scene: " : document.file + ": ";
+  const auto at = [&](const Lines& section, std::string_view key) {
+    const std::string place = place_of(document, section, key);
+    return place.empty() ? scene : place;
+  };
   if (t.source.empty() && t.generator.empty())
-    fail(ErrorKind::input, "{}: [terrain] needs a source (a path) or a generator", where);
+    fail(ErrorKind::input, "{}[terrain] needs a source (a path) or a generator", at(t.lines, "source"));
   if (!t.source.empty() && !t.generator.empty())
-    fail(ErrorKind::input, "{}: [terrain] has both a source and a generator; keep one", where);
-  const std::pair<const char*, double> lengths[] = {
-      {"voxel", document.scene.voxel}, {"resolution", t.resolution}, {"pixel_size", t.pixel_size}};
-  for (const auto& [name, metres] : lengths)
+    fail(ErrorKind::input, "{}[terrain] has both a source and a generator; keep one",
+         at(t.lines, "generator"));
+  struct Length {
+    const char* name;
+    double metres;
+    const Lines& lines;
+  };
+  for (const auto& [name, metres, lines] :
+       {Length{"voxel", document.scene.voxel, document.scene.lines},
+        Length{"resolution", t.resolution, t.lines}, Length{"pixel_size", t.pixel_size, t.lines}})
     if (metres > 0 && metres < least_length)
-      fail(ErrorKind::input, "{}: {} = {} m is less than {} m; give more, or 0 to leave it open", where, name,
-           metres, least_length);
+      fail(ErrorKind::input, "{}{} = {} m is less than {} m; give more, or 0 to leave it open",
+           at(lines, name), name, metres, least_length);
   if (t.influence > 3 * t.amplitude)
     fail(ErrorKind::input,
-         "{}: influence = {} m is more than three times amplitude = {} m, where the field stops growing with "
+         "{}influence = {} m is more than three times amplitude = {} m, where the field stops growing with "
          "depth; raise the amplitude to at least {:.6g} m or lower the influence",
-         where, t.influence, t.amplitude, t.influence / 3);
+         at(t.lines, t.lines.contains("influence") ? "influence" : "amplitude"), t.influence, t.amplitude,
+         t.influence / 3);
   if (!t.window.empty() && !t.generator.empty())
-    fail(ErrorKind::input, "{}: window is for a source; a generator takes width and height", where);
+    fail(ErrorKind::input, "{}window is for a source; a generator takes width and height",
+         at(t.lines, "window"));
   if (!t.window.empty() && (t.window[2] < 1 || t.window[3] < 1))
-    fail(ErrorKind::input, "{}: window = {} has no pixels; it is column, row, width, height", where,
-         to_toml(t.window));
+    fail(ErrorKind::input, "{}window = {} has no pixels; it is column, row, width, height",
+         at(t.lines, "window"), to_toml(t.window));
   for (const auto& [name, pixels] : {std::pair{"window", &t.window}, std::pair{"raw_size", &t.raw_size}})
     for (const double v : *pixels)
       if (v != std::trunc(v))
-        fail(ErrorKind::input, "{}: {} = {} must be whole pixels", where, name, to_toml(*pixels));
-  for (const Layer& layer : document.layers) {
-    const LayerSettings& s = layer.settings;
-    const std::string at = layer.line > 0 ? fmt::format("{}:{}", where, layer.line) : std::string(where);
-    if (s.mask == "paint:")
-      fail(ErrorKind::input,
-           "{}: mask = \"paint:\" names no mask; write one that strokes paint, as paint:region", at);
-    if (!s.altitude.empty() && s.altitude[0] > s.altitude[1])
-      fail(ErrorKind::input, "{}: altitude = {} of layer {} has its ends swapped", at, to_toml(s.altitude),
-           layer.type);
-    if (!s.box.empty() && (s.box[0] > s.box[3] || s.box[1] > s.box[4] || s.box[2] > s.box[5]))
-      fail(ErrorKind::input, "{}: box = {} of layer {} is empty; it is west, south, bottom, east, north, top",
-           at, to_toml(s.box), layer.type);
-    const LayerType& type = find_layer_type(layer.type);
-    for (const auto& [name, what] : type.needs)
-      if (!layer.values.contains(name))
-        fail(ErrorKind::input, "{}: a {} layer needs {}, {}", at, layer.type, name, what);
-    for (const std::string& name : type.leaves_out)
-      if (const ParamInfo& info = find_param(layer_params(), name, at); info.load(info, &s) != info.init)
-        fail(ErrorKind::input, "{}: a {} layer {}; leave out {}", at, layer.type, type.because,
-             enumerate(type.leaves_out));
-    if (type.check) type.check(layer, at);
-  }
+        fail(ErrorKind::input, "{}{} = {} must be whole pixels", at(t.lines, name), name, to_toml(*pixels));
+  for (const Layer& layer : document.layers) check(layer, at({{"", layer.line}}, ""));
 }
 
 namespace {
@@ -298,10 +322,17 @@ void set(Document& document, std::string_view assignment) {
   static const std::vector<ParamInfo> none;
 
   Values no_values;
-  if (target == "scene")
+  // The text's line says something else from now on.
+  const auto forget = [name](Lines& lines) {
+    if (const auto line = lines.find(name); line != lines.end()) lines.erase(line);
+  };
+  if (target == "scene") {
+    forget(document.scene.lines);
     return set_value(scene_params(), &document.scene, none, no_values, name, text, where);
+  }
   if (target == "terrain") {
     TerrainSection& t = document.terrain;
+    forget(t.lines);
     return set_value(terrain_params(), &t,
                      t.generator.empty() ? none : impl::params_of_generator(t.generator), t.values, name,
                      text, where);

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +12,9 @@
 #include "tafoni/core/params.h"
 
 namespace tafoni::scene {
+
+/// Where a section stands in Document::text: the line of its header under "", of its keys under their names.
+using Lines = std::map<std::string, int, std::less<>>;
 
 /// [scene]
 struct SceneSettings {
@@ -19,6 +24,7 @@ struct SceneSettings {
   double plants = 1;           ///< how green gentle ground is coloured
   double min_fragment = 1000;  ///< m³; smaller floating pieces are removed
   double simplify = 0;         ///< metres; 0: keep every triangle
+  Lines lines;                 ///< empty: not from a text
 };
 const std::vector<ParamInfo>& scene_params();
 
@@ -47,6 +53,7 @@ struct TerrainSection {
   double depth = 0;    ///< metres of rock below the R that is always there
   std::string domain;  ///< path of a polygon file; empty: the whole raster
   Values values;       ///< of the generator; only what differs from its defaults
+  Lines lines;         ///< empty: not from a text
 };
 const std::vector<ParamInfo>& terrain_params();
 
@@ -105,8 +112,9 @@ struct Document {
   /// The place of a path; of a name that only GDAL knows, the name with the place of its file.
   std::filesystem::path resolve(const std::string& path) const;
 };
-/// "FILE:LINE: " of a layer that was read from there; else empty.
+/// "FILE:LINE: " of a layer that was read from there, or of a section's key, or else its header; else empty.
 std::string place_of(const Document& document, const Layer& layer);
+std::string place_of(const Document& document, const Lines& section, std::string_view key);
 /// Whether both build the same thing: every setting, but neither `file`, `text` nor lines.
 bool same(const Document& a, const Document& b);
 
@@ -127,7 +135,7 @@ void save_scene(const Document& document, const std::filesystem::path& file);
 void set(Document& document, std::string_view assignment);
 
 /// Checks what no single key can say: R <= 3T, source or generator, low < high, what a type of layer needs.
-/// Throws Error{input} beginning with `where`.
-void check(const Document& document, std::string_view where);
+/// Throws Error{input} that begins with the place, or with "the scene".
+void check(const Document& document);
 
 }  // namespace tafoni::scene

@@ -82,6 +82,12 @@ class Reader {
          owner, near.empty() ? "known are " + list : fmt::format("did you mean \"{}\"?", near));
   }
 
+  static Lines lines(const toml::table& table) {
+    Lines out = {{"", static_cast<int>(table.source().begin.line)}};
+    for (auto&& [key, node] : table) out.emplace(key.str(), static_cast<int>(key.source().begin.line));
+    return out;
+  }
+
   /// Reads every key of `table` but those of `others`.
   void block(const toml::table& table, const std::string& owner, const std::vector<std::string>& others,
              const std::vector<ParamInfo>& common, void* object, const std::vector<ParamInfo>& own,
@@ -214,6 +220,7 @@ void read_terrain(const Reader& reader, const toml::table& table, TerrainSection
       }
     }
   }
+  terrain.lines = Reader::lines(table);
   reader.block(table, "[terrain]", {}, terrain_params(), &terrain, *own, terrain.values);
 }
 
@@ -279,14 +286,16 @@ Document parse_scene(std::string_view text, const std::filesystem::path& file) {
   document.file = file.string();
   document.text = text;
   Values no_values;
-  if (const auto* table = reader.section(root, "scene"))
+  if (const auto* table = reader.section(root, "scene")) {
+    document.scene.lines = Reader::lines(*table);
     reader.block(*table, "[scene]", {}, scene_params(), &document.scene, none, no_values);
+  }
   if (const auto* table = reader.section(root, "terrain"))
     read_terrain(reader, *table, document.terrain, file);
   for (const auto* table : reader.blocks(root, "geology", "geology"))
     document.geology.push_back(read_geology(reader, *table, "geology", 1));
   for (const auto* table : reader.blocks(root, "layer", "layer")) read_layer(reader, *table, document);
-  check(document, file.string());
+  check(document);
   return document;
 }
 

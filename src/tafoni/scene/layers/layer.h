@@ -33,8 +33,6 @@ struct LayerType {
   /// Which of region, mask, altitude, box and points it cannot have, and the half sentence that says why.
   std::vector<std::string> leaves_out = {};
   std::string because = {};
-  /// Throws Error{input} beginning with `where` for values that do not go together; may be null.
-  void (*check)(const Layer& layer, std::string_view where) = nullptr;
   /// Strokes of brushes go there, and what they paint are masks for every layer.
   bool takes_strokes = false;
 

@@ -3,9 +3,11 @@
 #include "tafoni/scene/sculpt/impl/sculpt.h"
 
 #include <memory>
+#include <optional>
 
 #include <fmt/core.h>
 
+#include "tafoni/field/compiled.h"
 #include "tafoni/scene/build/impl/outside.h"
 #include "tafoni/scene/layers/impl/site.h"
 #include "tafoni/scene/sculpt/impl/stroke_files.h"
@@ -69,6 +71,32 @@ const Own& own(const impl::BuiltLayer& layer) {
   return *static_cast<const Own*>(layer.own.get());
 }
 
+void warn_of_idle(const impl::Sculpted& sculpted, const impl::LayerSite& site) {
+  const impl::Below& below = site.below.value;
+  const terrain::Terrain& terrain = below.terrain;
+  Progress& progress = site.readers.progress;
+  const auto beside =
+      impl::strokes_beside(sculpted, [&](const Box3d& box) { return impl::over_domain(terrain, box); });
+  if (beside.count > 0)
+    impl::warn_of_beside(
+        terrain, "layer " + site.name,
+        fmt::format("strokes (\"{}\"{})", shown_stroke(*beside.first), beside.count > 1 ? " …" : ""),
+        beside.count, beside.all, progress);
+  std::optional<field::CompiledField> rock;
+  const auto air = impl::strokes_in_air(sculpted, [&](const Box3d& box) {
+    // Most lie no higher than some ground, which tells at once that they may carve.
+    if (box.lo.z <= terrain.box.hi.z || !impl::over_domain(terrain, box)) return true;
+    if (!rock) rock = field::compile(below.open);
+    return rock->interval(box).lo <= 0;
+  });
+  if (air.count > 0)
+    progress.warn(fmt::format(
+        "layer {}: {} of {} strokes that carve (\"{}\"{}) meet nothing but air, above all rock, and "
+        "change nothing; check their heights",
+        site.name, air.count == air.all ? "all" : fmt::format("{}", air.count), air.all,
+        shown_stroke(*air.first), air.count > 1 ? " …" : ""));
+}
+
 impl::BuiltLayer build(const impl::LayerSite& site) {
   if (!site.memory.has_value()) site.memory = std::make_shared<impl::SculptCook>();
   impl::SculptCook& cook = *std::any_cast<std::shared_ptr<impl::SculptCook>&>(site.memory);
@@ -78,16 +106,9 @@ impl::BuiltLayer build(const impl::LayerSite& site) {
   const impl::SculptFrame frame{below.terrain.origin, below.settings.amplitude, site.seed, site.region};
   const auto before = cook.groups_cooked();
   const auto sculpted = cook.cook(site.strokes(), frame);
-  const terrain::Terrain& terrain = below.terrain;
-  const auto beside = impl::strokes_beside(*sculpted.value,
-                                           [&](const Box3d& box) { return impl::over_domain(terrain, box); });
-  if (beside.count > 0)
-    impl::warn_of_beside(
-        terrain, "layer " + site.name,
-        fmt::format("strokes (\"{}\"{})", shown_stroke(*beside.first), beside.count > 1 ? " …" : ""),
-        beside.count, beside.all, site.readers.progress);
   impl::BuiltLayer out;
   out.reused = cook.groups_cooked() == before;
+  warn_of_idle(*sculpted.value, site);
   out.made = impl::make_keyed(&place, sculpted, frame.amplitude, p.settle);
   out.own = std::make_shared<Own>(
       Own{sculpted.value, impl::digest_of(frame, p.settle, sculpted.value->node != nullptr)});

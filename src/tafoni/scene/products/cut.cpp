@@ -207,6 +207,12 @@ mesh::Mesh cut_mesh(const BuiltScene& scene, const Cut& cut, Progress& progress)
          "{:.10g},{:.10g}.",
          box.lo.x + origin.x, box.lo.y + origin.y, box.hi.x + origin.x, box.hi.y + origin.y);
 
+  if (clip(whole, {cut.from - origin, along * (-1 / length)}).size() < 3)
+    progress.warn(
+        fmt::format("the cut passes beside the terrain and removes nothing; move it into "
+                    "{:.10g},{:.10g} to {:.10g},{:.10g}",
+                    box.lo.x + origin.x, box.lo.y + origin.y, box.hi.x + origin.x, box.hi.y + origin.y));
+
   BuiltScene open = scene;
   open.document.scene.boundary = "open";
   const field::CompiledField field = open.field_for(surface::Boundary::open);

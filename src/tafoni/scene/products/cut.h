@@ -17,7 +17,7 @@ Cut middle_cut(const BuiltScene& scene);
 
 /// The ground behind the cut, carved as the scene says, with upright walls along the cut and the borders down
 /// to the base; air that a wall passes through is left open. Coloured by resistance. Throws Error{usage} when
-/// the line has no length or leaves nothing.
+/// the line has no length or leaves nothing; warns when it removes nothing.
 mesh::Mesh cut_mesh(const BuiltScene& scene, const Cut& cut, Progress& progress = silent());
 
 /// Linear RGB of a resistance: dark brown for weak rock to cream for resistant rock.

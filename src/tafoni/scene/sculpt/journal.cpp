@@ -271,16 +271,16 @@ void Journal::go_to(std::int64_t id) {
   });
 }
 
-void Journal::mute(std::int64_t id, bool muted) {
+bool Journal::mute(std::int64_t id, bool muted) {
   State& s = *state_;
-  change_tables(s, [&] {
+  const bool changed = change_tables(s, [&] {
     if (id == 0 || !s.tables.rows.contains(id)) fail(ErrorKind::usage, "{}: has no stroke {}", s.name, id);
     Query(s, "update stroke set muted = ? where id = ?").bind(1, std::int64_t{muted}).bind(2, id).once();
-    touch(s, id).muted = muted;
-    return true;
+    return std::exchange(touch(s, id).muted, muted) != muted;
   });
   for (Entry& entry : s.applied)
     if (entry.id == id) entry.muted = muted;
+  return changed;
 }
 
 bool Journal::refresh() {

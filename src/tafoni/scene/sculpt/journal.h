@@ -57,7 +57,8 @@ class Journal {
   std::size_t redo(std::size_t steps = 1);
   /// Applies exactly the strokes that were applied right after `id` was made; 0 undoes all.
   void go_to(std::int64_t id);
-  void mute(std::int64_t id, bool muted);
+  /// Whether it was not so before.
+  bool mute(std::int64_t id, bool muted);
   /// Takes over what other processes changed; gives whether there was anything.
   bool refresh();
 

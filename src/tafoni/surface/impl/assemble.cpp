@@ -170,20 +170,19 @@ mesh::Mesh assemble(std::vector<Piece>& pieces, double voxel, const Connectivity
   find_corner_repeats(pieces, repeats);
   Numbering numbering(pieces);
   const bool normals = !pieces.empty() && !pieces[0].normals.empty();
-  std::vector<std::vector<FacetSum>> rims(pieces.size());
   each([&](std::size_t p) {
     find_face_repeats(pieces, index, pieces[p], repeats[p]);
     numbering.count_own(p, pieces[p], repeats[p], connectivity);
-    if (normals) rims[p] = settle_inside(pieces[p], voxel);
   });
   numbering.sum();
   if (normals)
     for (std::size_t p = 0; p < pieces.size(); ++p)
-      for (const Repeat& r : repeats[p]) rims[r.owner][r.owner_rim] += rims[p][r.rim];
+      for (const Repeat& r : repeats[p]) pieces[r.owner].rim[r.owner_rim] += pieces[p].rim[r.rim];
   each([&](std::size_t p) {
     numbering.globalise(p, pieces[p]);
-    seams.complete(pieces[p], rims[p]);
-    settle_rim(pieces[p], rims[p], voxel);
+    if (!normals) return;
+    seams.complete(pieces[p]);
+    settle_rim(pieces[p], voxel);
   });
   // An owner's vertex is never a repeat itself, so nothing read here is written here.
   each([&](std::size_t p) {

@@ -48,13 +48,18 @@ struct Part {
   bool open = false;  ///< touches the border of the meshed cells
 };
 
+/// The triangles around a vertex (mesh/inner/facets.h), in units of voxel^2 / 2^30: whole numbers, whose sum
+/// does not depend on the order.
+using FacetSum = Vec3<std::int64_t>;
+
 struct Piece {
   Vec3i chunk;
   std::span<Vec3f> positions, normals;  ///< in the maker's arena, as are the triangles
   std::span<std::array<std::uint32_t, 3>> triangles;
   std::array<std::vector<BorderVertex>, 6> faces;  ///< x low, x high, y low, …; none of the corners
   std::vector<CornerVertex> corners;
-  std::vector<Part> parts;            ///< empty when not asked for
+  std::vector<FacetSum> rim;  ///< of the vertices of faces and corners (rim.h); empty before settle_inside()
+  std::vector<Part> parts;    ///< empty when not asked for
   std::vector<std::uint32_t> labels;  ///< part of each vertex; empty when there is one part
   std::vector<std::uint32_t> open;    ///< vertices on the border of the meshed cells
   std::span<std::uint32_t> edges;     ///< the edge of each vertex, ascending; empty when not asked for

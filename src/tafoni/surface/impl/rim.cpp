@@ -38,6 +38,23 @@ void for_each_on_rim(const Piece& piece, const Body& body) {
   for (const CornerVertex& v : piece.corners) body(at++, v.vertex, v.edge);
 }
 
+/// mesh::inner::add_facets() by whole vectors, bit for bit.
+void add_facets(const Piece& piece, SettleScratch& out) {
+  if (out.size() < piece.positions.size()) out.resize(piece.positions.size());
+  for (std::size_t v = 0; v < piece.positions.size(); ++v) {
+    const Vec3f& p = piece.positions[v];
+    using Four = FacetVertex::Four;
+    out[v] = {Four{p.x, p.y, p.z, 0}, Four{p.y, p.z, p.x, 0}, Four{}};
+  }
+  for (const auto& t : piece.triangles) {
+    FacetVertex &a = out[t[0]], &b = out[t[1]], &c = out[t[2]];
+    const auto facet = (b.at - a.at) * (c.next - a.next) - (b.next - a.next) * (c.at - a.at);
+    a.sum += facet;
+    b.sum += facet;
+    c.sum += facet;
+  }
+}
+
 }  // namespace
 
 std::size_t rim_begin(const Piece& piece, int face) {
@@ -46,48 +63,50 @@ std::size_t rim_begin(const Piece& piece, int face) {
   return begin;
 }
 
-std::vector<FacetSum> settle_inside(Piece& piece, double voxel) {
-  std::vector<Vec3f> sums(piece.positions.size());
-  mesh::inner::add_facets(piece.positions, piece.triangles, sums);
-  std::vector<FacetSum> rim;
-  rim.reserve(rim_begin(piece, 6) + piece.corners.size());
+void settle_inside(Piece& piece, double voxel, SettleScratch& scratch) {
+  add_facets(piece, scratch);
+  const auto take = [&](std::size_t vertex) {
+    const FacetVertex::Four& sum = scratch[vertex].sum;
+    return Vec3f{sum[1], sum[2], sum[0]};
+  };
+  piece.rim.clear();
+  piece.rim.reserve(rim_begin(piece, 6) + piece.corners.size());
   const double scale = units(voxel);
   for_each_on_rim(piece, [&](std::size_t, std::uint32_t vertex, const LatticeEdge&) {
-    const Vec3d sum = to_double(sums[vertex]) * scale;
-    rim.push_back({std::llround(sum.x), std::llround(sum.y), std::llround(sum.z)});
-    sums[vertex] = {};  // the inside is settled without it
+    const Vec3d sum = to_double(take(vertex)) * scale;
+    piece.rim.push_back({std::llround(sum.x), std::llround(sum.y), std::llround(sum.z)});
+    scratch[vertex].sum = FacetVertex::Four{};  // the inside is settled without it
   });
   for (std::size_t v = 0; v < piece.normals.size(); ++v)
-    piece.normals[v] = mesh::inner::agreeing(piece.normals[v], sums[v]);
-  return rim;
+    piece.normals[v] = mesh::inner::agreeing(piece.normals[v], take(v));
 }
 
-void settle_rim(Piece& piece, std::span<const FacetSum> rim, double voxel) {
+void settle_rim(Piece& piece, double voxel) {
   if (piece.normals.empty()) return;
   const double scale = 1 / units(voxel);
   for_each_on_rim(piece, [&](std::size_t at, std::uint32_t vertex, const LatticeEdge&) {
-    const FacetSum& sum = rim[at];
+    const FacetSum& sum = piece.rim[at];
     const Vec3d facet =
         Vec3d{static_cast<double>(sum.x), static_cast<double>(sum.y), static_cast<double>(sum.z)} * scale;
     piece.normals[vertex] = mesh::inner::agreeing(piece.normals[vertex], to_float(facet));
   });
 }
 
-void SeamSums::add(const Piece& piece, std::span<const FacetSum> rim, const ChunkColumns& tile) {
+void SeamSums::add(const Piece& piece, const ChunkColumns& tile) {
   const int x0 = tile.x0 * chunk_side, x1 = tile.x1 * chunk_side, y0 = tile.y0 * chunk_side,
             y1 = tile.y1 * chunk_side;
   for_each_on_rim(piece, [&](std::size_t at, std::uint32_t, const LatticeEdge& edge) {
     const bool on_x = edge.axis != 0 && (edge.at.x == x0 || edge.at.x == x1);
     const bool on_y = edge.axis != 1 && (edge.at.y == y0 || edge.at.y == y1);
-    if (on_x || on_y) sums_[edge] += rim[at];
+    if (on_x || on_y) sums_[edge] += piece.rim[at];
   });
 }
 
-void SeamSums::complete(const Piece& piece, std::span<FacetSum> rim) const {
+void SeamSums::complete(Piece& piece) const {
   if (sums_.empty()) return;
   for_each_on_rim(piece, [&](std::size_t at, std::uint32_t, const LatticeEdge& edge) {
     const auto found = sums_.find(edge);
-    if (found != sums_.end()) rim[at] = found->second;
+    if (found != sums_.end()) piece.rim[at] = found->second;
   });
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "tafoni/core/error.h"
+#include "tafoni/io/dem.h"
 #include "tafoni/io/source_name.h"
 #include "tafoni/scene/build/impl/base.h"
 #include "tafoni/scene/build/impl/outside.h"
@@ -83,6 +84,18 @@ void warn_of_mask(const Layer& layer, std::string_view mask, const std::vector<S
       mask, near.empty() ? "" : fmt::format("; did you mean paint:{}?", near)));
 }
 
+/// What `make` makes; its errors begin with the place of what the document says of it.
+template <class Make>
+auto at_line(const Document& document, const Lines& section, std::string_view key, const Make& make) {
+  try {
+    return make();
+  } catch (const Error& error) {
+    const std::string place = place_of(document, section, key);
+    if (error.kind() == ErrorKind::cancelled || place.empty()) throw;
+    fail(error.kind(), "{}{}", place, error.what());
+  }
+}
+
 /// A layer's own words, without those that do not change what it makes.
 Layer words_of(Layer layer) {
   layer.settings.name.clear();
@@ -120,7 +133,7 @@ struct Builder::Stage {
 };
 
 Built Builder::build(const Document& document, const SlotSource& slots, Progress& progress) {
-  check(document, "the scene");
+  check(document);
   Stage stage{document, slots, {progress, volumes_}, 0, 0, {}, {}, {}, {}, {}, {}, {}};
   build_ground(stage);
   build_geology(stage);
@@ -163,7 +176,10 @@ void Builder::build_ground(Stage& stage) {
   Progress& progress = stage.readers.progress;
   Stopwatch watch;
   const std::uint64_t seed = t.generator.empty() ? 0 : document.scene.seed;
-  const auto elevations = elevations_(words_of_elevations(t), seed, file(document, t.source), stage.readers);
+  if (!t.crs.empty()) at_line(document, t.lines, "crs", [&] { io::check_crs(t.crs); });
+  const auto elevations = at_line(document, t.lines, t.source.empty() ? "generator" : "source", [&] {
+    return elevations_(words_of_elevations(t), seed, file(document, t.source), stage.readers);
+  });
   stage.seconds.emplace_back("read terrain", watch.seconds());
   stage.crs = elevations.value->crs;
   stage.voxel = choose_voxel(document, *elevations.value);
@@ -172,7 +188,9 @@ void Builder::build_ground(Stage& stage) {
     warn_of_coarse_voxel(*elevations.value, stage.voxel, progress);
 
   watch = {};
-  stage.ground = grounds_(elevations, words_of_field(t), stage.voxel, file(document, t.domain), progress);
+  stage.ground = at_line(document, t.lines, "domain", [&] {
+    return grounds_(elevations, words_of_field(t), stage.voxel, file(document, t.domain), progress);
+  });
   stage.seconds.emplace_back("terrain", watch.seconds());
 }
 

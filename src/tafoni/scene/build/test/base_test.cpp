@@ -119,11 +119,23 @@ TEST_F(Flat, StrokesBesideTheTerrainAreToldAndNoneStopsTheBuild) {
   EXPECT_TRUE(mesh.positions == expected.positions && mesh.triangles == expected.triangles);
 }
 
+TEST_F(Flat, StrokesThatCarveAirAreTold) {
+  build(scene("sphere at=40,30,0 radius=4\nsphere at=40,30,90 radius=4\nsphere at=40,30,300 radius=4\n"),
+        warnings);
+  EXPECT_THAT(
+      warnings.said,
+      ElementsAre("layer dig: 2 of 3 strokes that carve (\"sphere at=40,30,90 radius=4\" …) meet nothing "
+                  "but air, above all rock, and change nothing; check their heights"));
+  warnings.said.clear();
+  build(scene("sphere at=40,30,90 radius=8 mode=add\nsphere at=40,30,90 radius=4\n"), warnings);
+  EXPECT_THAT(warnings.said, ElementsAre());
+}
+
 TEST_F(Flat, AStrokeThatDoesNothingIsNotStored) {
   save_scene(scene("sphere at=40,30,0\n"), folder.path / "s.toml");
   Session session = Session::open(folder.path / "s.toml");
   for (const char* stroke : {"sphere at=6000000,6000000,20", "sphere at=90,30,0", "sphere at=40,30,-9000",
-                             "paint at=-50,30,0", "curve at=40,30,0/40,30,200000"}) {
+                             "sphere at=40,30,9000", "paint at=-50,30,0", "curve at=40,30,0/40,30,200000"}) {
     try {
       session.stroke(0, parse_stroke(stroke, "test"));
       ADD_FAILURE() << stroke;

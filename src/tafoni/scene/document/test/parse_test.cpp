@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "tafoni/core/test/errors.h"
 #include "tafoni/scene/test/documents.h"
 
 namespace tafoni::scene {
@@ -40,6 +41,10 @@ INSTANTIATE_TEST_SUITE_P(
     Table, WrongScene,
     ::testing::Values(
         Wrong{"", "dir/s.toml: [terrain] needs a source (a path) or a generator"},
+        Wrong{"[scene]\n[terrain]\nfill = 3",
+              "dir/s.toml:2: [terrain] needs a source (a path) or a generator"},
+        Wrong{"[scene]\nvoxel = 1e-5\n[terrain]\nsource = \"a\"",
+              "dir/s.toml:2: voxel = 1e-05 m is less than"},
         Wrong{"[scene]\nvoxl = 1", "dir/s.toml:2: unknown key \"voxl\" in [scene]; did you mean \"voxel\"?"},
         Wrong{"[scene]\n\nvoxel = -1", "dir/s.toml:3: voxel = -1 is outside 0 to 100000 m"},
         Wrong{"[scene]\nvoxel = \"big\"", "dir/s.toml:2: voxel must be a number, 0 to 100000 m, not \"big\""},
@@ -90,15 +95,18 @@ INSTANTIATE_TEST_SUITE_P(
               "dir/s.toml:2: sphere: position has 2 numbers"},
         Wrong{"[[geology]]\ntype = \"fold\"\n[[geology.of]]\ntype = \"planes\"\ndip = 91",
               "dir/s.toml:5: dip = 91 is outside 0 to 90 deg"},
-        Wrong{"[terrain]\nsource = \"a\"\ngenerator = \"coast\"", "has both a source and a generator"},
+        Wrong{"[terrain]\nsource = \"a\"\ngenerator = \"coast\"",
+              "dir/s.toml:3: [terrain] has both a source and a generator"},
         Wrong{"[terrain]\ngenerator = \"coats\"", "dir/s.toml:2: "},
-        Wrong{
-            "[terrain]\nsource = \"a\"\ninfluence = 30",
-            "influence = 30 m is more than three times amplitude = 7.5 m, where the field stops growing with "
-            "depth; raise the amplitude to at least 10 m or lower the influence"},
-        Wrong{"[terrain]\nsource = \"a\"\nwindow = [0, 0, 0, 5]", "has no pixels"},
+        Wrong{"[terrain]\nsource = \"a\"\ninfluence = 30",
+              "dir/s.toml:3: influence = 30 m is more than three times amplitude = 7.5 m, where the field "
+              "stops growing with "
+              "depth; raise the amplitude to at least 10 m or lower the influence"},
+        Wrong{"[terrain]\nsource = \"a\"\nwindow = [0, 0, 0, 5]",
+              "dir/s.toml:3: window = [0.0, 0.0, 0.0, 5.0] has no pixels"},
         Wrong{"[terrain]\ngenerator = \"coast\"\nwindow = [0, 0, 5, 5]",
-              "window is for a source; a generator"},
+              "dir/s.toml:3: window is for a source; a generator"},
+        Wrong{"[terrain]\nsource = \"a\"\namplitude = 1", "dir/s.toml:3: influence = 15 m is more than"},
         Wrong{"[terrain]\nsource = \"a\"\nwindow = [0, 0, 1.5, 5]", "must be whole pixels"},
         Wrong{"[terrain]\nsource = \"a\"\n[[layer]]\ntype = \"karst\"\naltitude = [9, 1]",
               "dir/s.toml:3: altitude = [9.0, 1.0] of layer karst has its ends swapped"},
@@ -109,6 +117,13 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[terrain\nsource = 1", "dir/s.toml:1: is not valid TOML: "},
         Wrong{"[scene]\nseed = 1\nseed = 2", "dir/s.toml:3: is not valid TOML: "},
         Wrong{"[scene]\nseed = \"\xff\xfe\"", "dir/s.toml:2: is not UTF-8; save it as UTF-8"}));
+
+TEST(ParseScene, WhatIsSetLaterIsNotTheLines) {
+  Document d = parse_scene("[terrain]\nsource = \"a\"\n\ninfluence = 20\n", "s.toml");
+  EXPECT_EQ(place_of(d, d.terrain.lines, "influence"), "s.toml:4: ");
+  set(d, "terrain.influence=99");
+  EXPECT_THAT(error_of([&] { check(d); }), HasSubstr("s.toml:1: influence = 99 m"));
+}
 
 TEST(ParseScene, ErrorsAreOneLine) {
   for (std::string_view text :

@@ -10,6 +10,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/test/errors.h"
+#include "tafoni/core/test/heard_warnings.h"
 #include "tafoni/render/inner/palette.h"
 
 namespace tafoni::scene {
@@ -103,7 +104,11 @@ TEST(Cut, RefusesLinesThatLeaveNothing) {
         cut_mesh(scene, {{0, 90}, {60, 90}});
       }),
       ::testing::StartsWith("Nothing of the terrain lies to the left of the cut; swap its ends or move it"));
-  EXPECT_NO_THROW(cut_mesh(scene, {{60, 90}, {0, 90}}));
+  HeardWarnings heard;
+  cut_mesh(scene, {{60, 90}, {0, 90}}, heard);
+  EXPECT_THAT(heard.said, ::testing::ElementsAre(::testing::StartsWith("the cut passes beside the terrain")));
+  cut_mesh(scene, middle_cut(scene), heard);
+  EXPECT_EQ(heard.said.size(), 1u);
 }
 
 }  // namespace

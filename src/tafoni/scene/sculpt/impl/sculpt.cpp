@@ -215,8 +215,8 @@ Box3d box_of(const Sculpted& sculpted) {
   return out;
 }
 
-StrokesBeside strokes_beside(const Sculpted& sculpted, const std::function<bool(const Box3d&)>& over) {
-  StrokesBeside out;
+IdleStrokes strokes_beside(const Sculpted& sculpted, const std::function<bool(const Box3d&)>& over) {
+  IdleStrokes out;
   for (const auto& group : sculpted.groups)
     for (const auto& cooked : group->cooked) {
       if (!cooked) continue;
@@ -227,6 +227,36 @@ StrokesBeside strokes_beside(const Sculpted& sculpted, const std::function<bool(
       if (box.empty() || (!cooked->far && over(box))) continue;
       if (out.count++ == 0) out.first = cooked->stroke;
     }
+  return out;
+}
+
+namespace {
+
+/// Calls each(stroke, whether it adds) of the strokes that make primitives.
+template <class Each>
+void each_shape(const Sculpted& sculpted, const Each& each) {
+  for (const auto& group : sculpted.groups)
+    for (std::size_t place = 0; place < group->cooked.size(); ++place)
+      if (const auto& cooked = group->cooked[place]; cooked && !cooked->box.empty())
+        each(*cooked, group->levels[place] % 2 != 0);
+}
+
+}  // namespace
+
+IdleStrokes strokes_in_air(const Sculpted& sculpted, const std::function<bool(const Box3d&)>& rock) {
+  IdleStrokes out;
+  std::vector<Box3d> added;
+  each_shape(sculpted, [&](const CookedStroke& stroke, bool adds) {
+    if (adds) added.push_back(stroke.box);
+  });
+  each_shape(sculpted, [&](const CookedStroke& stroke, bool adds) {
+    if (adds) return;
+    ++out.all;
+    if (rock(stroke.box) ||
+        std::any_of(added.begin(), added.end(), [&](const Box3d& box) { return box.overlaps(stroke.box); }))
+      return;
+    if (out.count++ == 0) out.first = stroke.stroke;
+  });
   return out;
 }
 

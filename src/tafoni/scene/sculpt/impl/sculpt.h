@@ -98,13 +98,15 @@ class SculptCook {
 /// Holds all that strokes carve and add.
 Box3d box_of(const Sculpted& sculpted);
 
-/// Of the strokes that act: how many there are, how many do nothing because all of them, or what lies too far
-/// off to be carved at all, is where `over` says no, and one of these.
-struct StrokesBeside {
+/// Of the strokes that act: how many there are, how many do nothing, and one of these.
+struct IdleStrokes {
   std::uint64_t all = 0, count = 0;
   std::shared_ptr<const Stroke> first;
 };
-StrokesBeside strokes_beside(const Sculpted& sculpted, const std::function<bool(const Box3d&)>& over);
+/// Those all of which, or what lies too far off to be carved at all, is where `over` says no.
+IdleStrokes strokes_beside(const Sculpted& sculpted, const std::function<bool(const Box3d&)>& over);
+/// Those that carve where `rock` says no and where no stroke adds any.
+IdleStrokes strokes_in_air(const Sculpted& sculpted, const std::function<bool(const Box3d&)>& rock);
 
 /// Appends boxes outside of which both layers have the same values, bit for bit. Either may be null.
 void changed_boxes(const Sculpted* before, const Sculpted* now, std::vector<Box3d>& out);
