@@ -177,6 +177,11 @@ std::optional<Vec3d> origin_of(const Json& object) {
   return Vec3d{o[0].get<double>(), o[1].get<double>(), o[2].get<double>()};
 }
 
+/// The volume that a node's matrix makes of a unit cube; negative where it mirrors.
+double orientation(const Matrix& m) {
+  return dot(cross(Vec3d{m[0], m[1], m[2]}, Vec3d{m[4], m[5], m[6]}), Vec3d{m[8], m[9], m[10]});
+}
+
 /// Gathers the triangles of every node of the default scene, in world axes.
 class Reader {
  public:
@@ -320,7 +325,7 @@ class Reader {
     add_normals(attributes, count, m);
     add_colors(attributes, count);
     add_texture(attributes, count);
-    add_triangles(primitive, base, count);
+    add_triangles(primitive, base, count, orientation(m) < 0);
   }
 
   void add_normals(const Json& attributes, std::uint64_t count, const Matrix& m) {
@@ -334,7 +339,7 @@ class Reader {
     // The cofactors of m turn normals, whatever the scale.
     const Vec3d a{m[0], m[1], m[2]}, b{m[4], m[5], m[6]}, c{m[8], m[9], m[10]};
     const bool plain = a == Vec3d{1, 0, 0} && b == Vec3d{0, 1, 0} && c == Vec3d{0, 0, 1};
-    const double turn = dot(cross(a, b), c) < 0 ? -1 : 1;
+    const double turn = orientation(m) < 0 ? -1 : 1;
     const Vec3d bc = cross(b, c) * turn, ca = cross(c, a) * turn, ab = cross(a, b) * turn;
     for (std::uint64_t i = 0; i < count; ++i) {
       const Vec3d n{normals.value(i, 0), normals.value(i, 1), normals.value(i, 2)};
@@ -368,14 +373,17 @@ class Reader {
           v_down({static_cast<float>(pairs.value(i, 0)), static_cast<float>(pairs.value(i, 1))}));
   }
 
-  void add_triangles(const Json& primitive, std::uint64_t base, std::uint64_t count) {
+  /// What is mirrored turns its triangles inside out, so that two of their corners change places [glTF].
+  void add_triangles(const Json& primitive, std::uint64_t base, std::uint64_t count, bool mirrored) {
     const auto corner = [&](std::uint64_t v) {
       if (v >= count) document_.fail_read(fmt::format("an index names vertex {} of {}", v, count));
       return static_cast<std::uint32_t>(base + v);
     };
+    const auto add = [&](std::uint64_t u, std::uint64_t v, std::uint64_t w) {
+      mesh_.triangles.push_back({corner(u), corner(mirrored ? w : v), corner(mirrored ? v : w)});
+    };
     if (!primitive.contains("indices")) {
-      for (std::uint64_t i = 0; i + 2 < count; i += 3)
-        mesh_.triangles.push_back({corner(i), corner(i + 1), corner(i + 2)});
+      for (std::uint64_t i = 0; i + 2 < count; i += 3) add(i, i + 1, i + 2);
       return;
     }
     const GltfAccessor indices = document_.accessor(document_.whole(primitive, "indices", 0));
@@ -383,8 +391,7 @@ class Reader {
         (indices.component != gl_ubyte && indices.component != gl_ushort && indices.component != gl_uint))
       document_.fail_read("indices are not whole numbers");
     for (std::uint64_t i = 0; i + 2 < indices.count; i += 3)
-      mesh_.triangles.push_back(
-          {corner(indices.index(i)), corner(indices.index(i + 1)), corner(indices.index(i + 2))});
+      add(indices.index(i), indices.index(i + 1), indices.index(i + 2));
   }
 
   /// What even the smallest file may hold: about 100 MB of mesh.

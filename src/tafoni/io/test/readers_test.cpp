@@ -9,6 +9,7 @@
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/mesh_file.h"
+#include "tafoni/mesh/metrics.h"
 
 namespace tafoni::io {
 namespace {
@@ -194,6 +195,25 @@ TEST(Glb, NodesMoveAndTurnWithoutIndices) {
   EXPECT_THAT(mesh.triangles, ElementsAre(Triangle{0, 1, 2}));
   EXPECT_EQ(mesh.positions[1], (Vec3f{2, 0, 10}));
   EXPECT_EQ(mesh.positions[2], (Vec3f{0, -2, 10}));
+}
+
+TEST(Glb, MirroredNodesKeepTheirInside) {
+  // A tetrahedron of 1/6 m³.
+  const std::string solid = floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1});
+  const std::string corners("\0\2\1\0\1\3\1\2\3\2\0\3", 12);
+  const auto volume = [&](const std::string& nodes) {
+    const std::string json = R"({"nodes":[)" + nodes + R"(],"buffers":[{"byteLength":60}],
+    "bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}],
+    "accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":4},
+      {"bufferView":1,"componentType":5121,"type":"SCALAR","count":12}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}]})";
+    return mesh::metrics(read_text("glb", glb(json, solid + corners))).volume;
+  };
+  EXPECT_NEAR(volume(R"({"mesh":0})"), 1 / 6.0, 1e-6);
+  EXPECT_NEAR(volume(R"({"mesh":0},{"mesh":0,"scale":[-1,1,1],"translation":[-3,0,0]})"), 2 / 6.0, 1e-6);
+  EXPECT_NEAR(volume(R"({"mesh":0,"scale":[1,-2,1]})"), 2 / 6.0, 1e-6);
+  EXPECT_NEAR(volume(R"({"mesh":0,"scale":[-1,-1,1]})"), 1 / 6.0, 1e-6);
+  EXPECT_NEAR(volume(R"({"mesh":0,"matrix":[0,1,0,0,1,0,0,0,0,0,1,0,0,0,0,1]})"), 1 / 6.0, 1e-6);
 }
 
 TEST(Glb, CyclesAndBombsAreRefused) {
