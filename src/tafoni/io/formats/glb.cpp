@@ -182,6 +182,20 @@ double orientation(const Matrix& m) {
   return dot(cross(Vec3d{m[0], m[1], m[2]}, Vec3d{m[4], m[5], m[6]}), Vec3d{m[8], m[9], m[10]});
 }
 
+/// Letters of an extension's name that are shown.
+constexpr std::size_t shown_letters = 60;
+
+/// Whether a file that requires the extension has the same triangles without it: it is of materials,
+/// pictures, lights or words about the file, or it lets positions be stored as whole numbers, which are read.
+bool leaves_geometry(std::string_view extension) {
+  static constexpr std::string_view names[] = {
+      "KHR_mesh_quantization", "KHR_texture_transform",   "KHR_texture_basisu",  "EXT_texture_webp",
+      "EXT_texture_avif",      "MSFT_texture_dds",        "KHR_lights_punctual", "EXT_lights_image_based",
+      "KHR_xmp_json_ld",       "EXT_structural_metadata", "EXT_mesh_features"};
+  return extension.starts_with("KHR_materials_") || extension.starts_with("EXT_materials_") ||
+         std::find(std::begin(names), std::end(names), extension) != std::end(names);
+}
+
 /// Gathers the triangles of every node of the default scene, in world axes.
 class Reader {
  public:
@@ -189,7 +203,7 @@ class Reader {
       : document_(document), most_items_(std::min<std::uint64_t>(4 * file_bytes + least_items, 0xffffffff)) {}
 
   mesh::Mesh run() {
-    refuse_compression();
+    refuse_unknown_extensions();
     const std::vector<Instance> instances = find_instances();
     count(instances);
     for (const Instance& instance : instances) add_mesh(document_.at("meshes", instance.mesh), instance);
@@ -209,13 +223,18 @@ class Reader {
     std::optional<Vec3d> origin;
   };
 
-  void refuse_compression() const {
+  void refuse_unknown_extensions() const {
     const auto needed = document_.json().find("extensionsRequired");
     if (needed == document_.json().end() || !needed->is_array()) return;
-    for (const char* name :
-         {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"})
-      for (const Json& entry : *needed)
-        if (entry == name) document_.fail_read(fmt::format("it is compressed by {}", name));
+    for (const Json& entry : *needed) {
+      if (!entry.is_string()) document_.fail_read("extensionsRequired holds what is not a name");
+      const std::string name = entry.get<std::string>();
+      if (name.ends_with("_compression"))
+        document_.fail_read(fmt::format("it is compressed by {}", name.substr(0, shown_letters)));
+      if (!leaves_geometry(name))
+        document_.fail_read(fmt::format("it cannot be read without the extension {}, which is not known here",
+                                        name.substr(0, shown_letters)));
+    }
   }
 
   /// The nodes of the default scene that have a mesh. Nodes form trees, so that each is placed once.

@@ -256,12 +256,23 @@ TEST(Glb, CyclesAndBombsAreRefused) {
   EXPECT_THAT(says("glb", glb(deep, binary)), HasSubstr("its JSON cannot be parsed"));
 }
 
-TEST(Glb, CompressionIsNamed) {
-  const std::string json =
-      std::string(R"({"nodes":[{"mesh":0}],"extensionsRequired":["EXT_meshopt_compression"],)") +
-      points_json + "}";
-  EXPECT_THAT(says("glb", glb(json, floats({0, 0, 0, 1, 0, 0, 0, 0, 1}))),
-              HasSubstr("it is compressed by EXT_meshopt_compression"));
+TEST(Glb, RequiredExtensionsThatMayChangeTheGeometryAreNamed) {
+  const auto requiring = [](const std::string& names) {
+    return glb(
+        std::string(R"({"nodes":[{"mesh":0}],"extensionsRequired":[)") + names + "]," + points_json + "}",
+        floats({0, 0, 0, 1, 0, 0, 0, 0, 1}));
+  };
+  for (const std::string name :
+       {"EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_gaussian_splatting_compression"})
+    EXPECT_THAT(says("glb", requiring('"' + name + '"')), HasSubstr("it is compressed by " + name));
+  for (const std::string name : {"EXT_mesh_gpu_instancing", "KHR_node_visibility", "MAXAR_mesh_variants"})
+    EXPECT_THAT(says("glb", requiring(R"("KHR_mesh_quantization",")" + name + '"')),
+                HasSubstr("it cannot be read without the extension " + name));
+  EXPECT_THAT(says("glb", requiring("7")), HasSubstr("extensionsRequired holds what is not a name"));
+  EXPECT_EQ(read_text("glb", requiring(R"("KHR_materials_unlit","KHR_texture_transform","EXT_texture_webp",
+      "KHR_lights_punctual","KHR_texture_basisu","KHR_mesh_quantization")"))
+                .triangles.size(),
+            1u);
 }
 
 TEST(Glb, ExternalBuffersAreNotOpened) {
