@@ -2,6 +2,7 @@
 // properties.
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 #include "tafoni/io/format.h"
@@ -80,13 +81,22 @@ class Values {
 
   double next(PlyType type) {
     if (encoding_ == PlyEncoding::text) return cursor_.number(cursor_.token_anywhere('\0'));
-    const std::size_t size = impl::size_of(type);
-    if (bytes_.size() - at_ < size) cursor_.fail_here("the data ends too early");
-    std::byte raw[8];
-    std::copy_n(bytes_.begin() + at_, size, raw);
-    if (encoding_ == PlyEncoding::big) std::reverse(raw, raw + size);
-    at_ += size;
-    return convert(raw, type);
+    return stored(type);
+  }
+
+  /// What nobody needs may be any word in text, as nan, which is no number to next().
+  void pass(PlyType type) {
+    if (encoding_ != PlyEncoding::text)
+      stored(type);
+    else if (cursor_.token_anywhere('\0').empty())
+      fail_here("a number is missing");
+  }
+
+  /// What the mesh can do without, normals and colours, may be nan.
+  double next_if_number(PlyType type) {
+    if (encoding_ != PlyEncoding::text) return stored(type);
+    const std::string_view word = cursor_.token_anywhere('\0');
+    return impl::is_no_number(word) ? std::numeric_limits<double>::quiet_NaN() : cursor_.number(word);
   }
 
   std::uint64_t count(PlyType type) {
@@ -97,6 +107,16 @@ class Values {
   [[noreturn]] void fail_here(std::string_view what) const { cursor_.fail_here(what); }
 
  private:
+  double stored(PlyType type) {
+    const std::size_t size = impl::size_of(type);
+    if (bytes_.size() - at_ < size) cursor_.fail_here("the data ends too early");
+    std::byte raw[8];
+    std::copy_n(bytes_.begin() + at_, size, raw);
+    if (encoding_ == PlyEncoding::big) std::reverse(raw, raw + size);
+    at_ += size;
+    return convert(raw, type);
+  }
+
   static double convert(std::span<const std::byte> raw, PlyType type) {
     switch (type) {
       case PlyType::i8:
@@ -127,7 +147,7 @@ class Values {
 
 void skip(Values& values, const PlyProperty& property) {
   const std::uint64_t n = property.list ? values.count(property.count_type) : 1;
-  for (std::uint64_t i = 0; i < n; ++i) values.next(property.type);
+  for (std::uint64_t i = 0; i < n; ++i) values.pass(property.type);
 }
 
 /// What is read before the mesh gets its origin.
@@ -158,7 +178,8 @@ void read_vertices(Values& values, const PlyElement& element, bool y_up, Given& 
     double v[9] = {};
     for (std::size_t p = 0; p < slot.size(); ++p) {
       if (slot[p] >= 0)
-        v[slot[p]] = values.next(element.properties[p].type);
+        v[slot[p]] = slot[p] < 3 ? values.next(element.properties[p].type)
+                                 : values.next_if_number(element.properties[p].type);
       else
         skip(values, element.properties[p]);
     }

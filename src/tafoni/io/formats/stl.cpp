@@ -48,7 +48,8 @@ mesh::Mesh read_text(std::string_view text, std::string_view file) {
   std::vector<Vec3d> positions;
   std::vector<std::uint32_t> corners;
   cursor.rest_of_line();
-  for (std::string_view word; !(word = cursor.token_anywhere('\0')).empty();) {
+  // Some CAD programs write the words in capitals.
+  for (std::string word; !(word = impl::lower_case(cursor.token_anywhere('\0'))).empty();) {
     if (word == "vertex") {
       Vec3d p;
       for (double* x : {&p.x, &p.y, &p.z}) *x = cursor.number(cursor.token('\0'));
@@ -79,7 +80,8 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
   // Some writers begin binary files with "solid" too; only the size tells.
   const bool binary_size =
       bytes.size() >= header_bytes && bytes.size() >= header_bytes + count * triangle_bytes && count > 0;
-  if (!binary_size && impl::as_text(bytes).starts_with("solid")) return read_text(impl::as_text(bytes), file);
+  if (!binary_size && impl::lower_case(impl::as_text(bytes).substr(0, 5)) == "solid")
+    return read_text(impl::as_text(bytes), file);
   if (!binary_size)
     fail(ErrorKind::input, "{}: an STL file of {} triangles is longer than these {} bytes; it is truncated.",
          file, count, bytes.size());

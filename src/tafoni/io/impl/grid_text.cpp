@@ -14,6 +14,7 @@
 #include <cpl_vsi.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/io/impl/reading.h"
 
 namespace tafoni::io::impl {
 namespace {
@@ -30,20 +31,6 @@ constexpr std::string_view header_words[] = {"ncols", "nrows",  "xll",   "yll", 
                                              "rows:", "cols:",  "null",  "type:"};
 /// Letters of a word that is shown.
 constexpr std::size_t shown_letters = 20;
-
-std::string lower_case(std::string_view text) {
-  std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
-  return out;
-}
-
-/// What may stand for "none" or "infinite" among numbers, as C libraries print it.
-bool is_no_number(std::string_view word) {
-  if (word.starts_with('-') || word.starts_with('+')) word.remove_prefix(1);
-  const std::string low = lower_case(word);
-  return low == "nan" || low == "inf" || low == "infinity" || low.starts_with("nan(") ||
-         low.starts_with("1.#");
-}
 
 bool is_space(char c) {
   return c == ' ' || (c >= '\t' && c <= '\r');

@@ -3,7 +3,9 @@
 
 #include "tafoni/io/impl/reading.h"
 
+#include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -84,6 +86,19 @@ std::int64_t TextCursor::integer(std::string_view token) const {
   return value;
 }
 
+std::string lower_case(std::string_view text) {
+  std::string out(text);
+  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
+  return out;
+}
+
+bool is_no_number(std::string_view word) {
+  if (word.starts_with('-') || word.starts_with('+')) word.remove_prefix(1);
+  const std::string low = lower_case(word);
+  return low == "nan" || low == "inf" || low == "infinity" || low.starts_with("nan(") ||
+         low.starts_with("1.#");
+}
+
 void add_fan(std::vector<std::array<std::uint32_t, 3>>& triangles, std::span<const std::uint32_t> polygon) {
   for (std::size_t i = 2; i < polygon.size(); ++i)
     triangles.push_back({polygon[0], polygon[i - 1], polygon[i]});
@@ -133,6 +148,9 @@ void check_read(mesh::Mesh& mesh, std::string_view file) {
   const std::size_t vertices = mesh.positions.size();
   if (vertices > 0xffffffffull)
     fail(ErrorKind::input, "{}: has more than 2^32 vertices; split it into tiles.", file);
+  if (mesh.triangles.empty())
+    fail(ErrorKind::input, "{}: holds {} vertices and no triangles; export it as a mesh with faces.", file,
+         vertices);
   for (std::size_t i = 0; i < vertices; ++i)
     if (!finite(mesh.positions[i]))
       fail(ErrorKind::input, "{}: the position of vertex {} is not finite; the file is damaged.", file, i);

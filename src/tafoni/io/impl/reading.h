@@ -69,6 +69,10 @@ class TextCursor {
   std::size_t at_ = 0, line_;
 };
 
+std::string lower_case(std::string_view text);
+/// What may stand for "none" or "infinite" among numbers, as C libraries print it.
+bool is_no_number(std::string_view word);
+
 /// Adds a polygon as a fan of triangles; fewer than three corners add nothing.
 void add_fan(std::vector<std::array<std::uint32_t, 3>>& triangles, std::span<const std::uint32_t> polygon);
 
@@ -86,8 +90,9 @@ class Welder {
   std::unordered_map<std::array<std::uint32_t, 3>, std::uint32_t, Hash> seen_;
 };
 
-/// Throws Error{input} unless all positions are finite, all indices in range and attributes complete.
-/// Normals that are not unit length are normalised; when one is not usable, all are dropped.
+/// Throws Error{input} unless there are triangles, all positions are finite, all indices in range and
+/// attributes complete. Normals that are not unit length are normalised; when one is not usable, all are
+/// dropped.
 void check_read(mesh::Mesh& mesh, std::string_view file);
 
 }  // namespace tafoni::io::impl

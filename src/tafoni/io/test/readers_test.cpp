@@ -77,6 +77,30 @@ TEST(Ply, ReadsTextAndBigEndian) {
   EXPECT_EQ(mesh.positions[2], (Vec3f{0, 1, 258}));
 }
 
+TEST(Ply, WhatIsNotNeededMayBeNan) {
+  const auto text = [](std::string_view first) {
+    return fmt::format(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float nx\nproperty float ny\nproperty float nz\nproperty float quality\nelement face 1\n"
+        "property list uchar int vertex_indices\nend_header\n{}\n1 0 0 0 0 1 -inf\n0 1 0 0 0 1 2\n3 0 1 2\n",
+        first);
+  };
+  EXPECT_EQ(read_text("ply", text("0 0 0 0 0 1 nan")).normals.size(), 3u);
+  const mesh::Mesh plain = read_text("ply", text("0 0 0 nan -nan nan -nan(ind)"));
+  EXPECT_EQ(plain.triangles.size(), 1u);
+  EXPECT_TRUE(plain.normals.empty());
+  EXPECT_THAT(says("ply", text("0 0 nan 0 0 1 0")), HasSubstr("line 14: 'nan' is not a number"));
+  EXPECT_THAT(says("ply", text("0 0 0 0 0 up 0")), HasSubstr("'up' is not a number"));
+}
+
+TEST(Meshes, WithoutTrianglesAreRefused) {
+  EXPECT_THAT(says("ply",
+                   "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+                   "property float z\nend_header\n0 0 0\n"),
+              HasSubstr("test: holds 1 vertices and no triangles"));
+  EXPECT_THAT(says("off", "OFF 2 1 0\n0 0 0\n1 0 0\n2 0 1\n"), HasSubstr("2 vertices and no triangles"));
+}
+
 TEST(Ply, HugeCountsAreRefusedBeforeAnyAllocation) {
   for (const char* count : {"4000000000", "9223372036854775807", "-1"})
     EXPECT_THAT(says("ply", fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty "
@@ -101,6 +125,14 @@ TEST(Stl, ReadsTextAndWeldsVertices) {
                 "1 1 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid x\n");
   EXPECT_EQ(mesh.positions.size(), 4u);
   EXPECT_THAT(mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{1, 3, 2}));
+}
+
+TEST(Stl, ReadsCapitals) {
+  EXPECT_EQ(read_text("stl",
+                      "SOLID X\r\n  FACET NORMAL 0 0 1\r\n OUTER LOOP\r\nVERTEX 0 0 0\r\nVertex 1.0E0 0 0\r\n"
+                      "VERTEX 0 1 0\r\nENDLOOP\r\nENDFACET\r\nENDSOLID X\r\n")
+                .triangles.size(),
+            1u);
 }
 
 TEST(Off, ReadsAKnownCave) {
