@@ -9,8 +9,10 @@
 
 #include "tafoni/io/impl/colour_heights.h"
 #include "tafoni/io/impl/grid_text.h"
+#include "tafoni/io/impl/pixel_runs.h"
 #include "tafoni/io/impl/raw_heights.h"
 #include "tafoni/io/impl/stored_heights.h"
+#include "tafoni/io/impl/xyz_text.h"
 #include "tafoni/math/whole.h"
 
 namespace tafoni::io::impl {
@@ -94,6 +96,8 @@ class GdalSource final : public DemSource {
     const std::string kind = dataset_->GetDriver()->GetDescription();
     if (kind == "AAIGrid" || kind == "GRASSASCIIGrid") check_grid_text(dataset_->GetDescription(), name);
     if (kind == "AAIGrid") place_grid_text();
+    if (kind == "XYZ")
+      leave_out(check_xyz_text(dataset_->GetDescription(), name, transform, width(), height()));
   }
 
  private:
@@ -234,6 +238,15 @@ class GdalSource final : public DemSource {
     }
   }
 
+  /// Coarser levels would have been made with what GDAL reads there.
+  void leave_out(PixelRuns missing) {
+    gaps_ = std::move(missing);
+    if (gaps_.empty()) return;
+    levels.resize(1);
+    pairs_.resize(1);
+    nan_marks_missing = true;
+  }
+
   void read_units(GDALRasterBand* own) {
     int given = 0;
     scale = own->GetScale(&given);
@@ -277,6 +290,9 @@ class GdalSource final : public DemSource {
     if (!read)
       fail(ErrorKind::input, "{} cannot be read whole, it is cut short or damaged{}; fetch it again.", name,
            messages.because());
+    if (!gaps_.empty())
+      for (int r = 0; r < h; ++r)
+        gaps_.clear(static_cast<std::uint64_t>(y + r) * width() + x, w, out + std::int64_t{r} * w);
     if (pair.mask == nullptr) return;
     mask_.resize(std::int64_t{w} * h);
     if (pair.mask->RasterIO(GF_Read, x, y, w, h, mask_.data(), w, h, GDT_Float32, 0, 0) != CE_None)
@@ -289,6 +305,7 @@ class GdalSource final : public DemSource {
   ColourBands colours_{};
   HeightEncoding encoding_ = HeightEncoding::heights;  ///< of the colours, where `decoded`
   std::vector<Pair> pairs_;
+  PixelRuns gaps_;  ///< where text has no heights, of the finest level
   std::vector<float> mask_;
 };
 

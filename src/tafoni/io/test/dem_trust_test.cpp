@@ -90,6 +90,61 @@ TEST(TrustInDem, WordsAmongHeightsAreNotZero) {
               Not(IsEmpty()));
 }
 
+/// Lines of x, y and z with a header; `z(col, row)` in text, none where it is empty.
+template <class F>
+fs::path xyz(const std::string& name, const std::string& header, F&& z) {
+  std::string text = header;
+  for (int r = 0; r < 12; ++r)
+    for (int c = 0; c < 20; ++c)
+      if (const std::string height = z(c, r); !height.empty())
+        text += fmt::format("{} {} {}\n", 500005 + 10 * c, 5900115 - 10 * r, height);
+  return written(name, text);
+}
+
+TEST(TrustInDem, LinesThatAnXyzLeavesOutAreMissing) {
+  DemOptions options;
+  options.fill_distance = 0;
+  // Heights of one byte with zeros among them, with a nan, below -32768: GDAL says nothing of gaps there.
+  for (const auto& words : {std::pair("0", "0"), std::pair("nan", "7.5"), std::pair("-40000", "0")}) {
+    const char *const first = words.first, *const zero = words.second;
+    const fs::path path = xyz("gaps.xyz", "x y z\n", [&](int c, int r) -> std::string {
+      if (c % 7 == 3 && r > 0) return "";
+      return c == 0 && r == 0 ? first : c == 4 ? zero : std::to_string(c + r);
+    });
+    const Dem dem = read_dem(path, options);
+    ASSERT_EQ(dem.raster.values.width(), 20);
+    for (int r = 1; r < 12; ++r)
+      for (int c = 0; c < 20; ++c) {
+        if (c % 7 == 3)
+          EXPECT_TRUE(std::isnan(at(dem.raster, c, r))) << first << ' ' << c << ' ' << r;
+        else
+          EXPECT_EQ(at(dem.raster, c, r), c == 4 ? std::stod(zero) : c + r) << first;
+      }
+  }
+}
+
+TEST(TrustInDem, WordsInAnXyzAreNotZero) {
+  for (const char* word : {"NA", "NULL", "-", "12m", "*"}) {
+    const fs::path path = xyz("words.xyz", "x y z\n", [&](int c, int r) {
+      return c == 3 && r == 7 ? std::string(word) : std::to_string(300 + c);
+    });
+    EXPECT_THAT(thrown_by([&] { read_dem(path); }).text,
+                HasSubstr(fmt::format("line 145: \"{}\" stands where a height belongs", word)));
+  }
+  // Other columns, commas and words beside the height are as GDAL takes them.
+  std::string text = "name,height,lon,lat\n";
+  for (int r = 0; r < 4; ++r)
+    for (int c = 0; c < 5; ++c)
+      text += fmt::format("NA,{},{},{}\n", c == 2 && r == 2 ? "nan" : "5", 5 + 0.01 * c, 50 - 0.01 * r);
+  EXPECT_EQ(inspect_dem(written("columns.xyz", text)).missing, 1 / 20.0);
+  text.clear();
+  for (int r = 0; r < 12; ++r)
+    for (int c = 0; c < 20; ++c) text += fmt::format("{},5;{},5;{},25\n", 10 * c, 500 - 10 * r, 300 + c);
+  EXPECT_EQ(at(read_dem(written("commas.xyz", text)).raster, 7, 3), 307.25);
+  EXPECT_THAT(thrown_by([&] { read_dem(written("long.xyz", text + std::string(120, '1') + "\n")); }).text,
+              HasSubstr("line 241: is longer than 99 letters"));
+}
+
 TEST(TrustInDem, CornersAndCentresMayBeMixed) {
   for (const std::string& place : {std::string("xllcenter 500005\nyllcorner 5900000\ncellsize 10"),
                                    std::string("xllcorner 500000\nYLLCENTER 5900005\ncellsize 10"),
