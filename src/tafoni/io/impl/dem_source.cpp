@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "tafoni/io/impl/colour_heights.h"
+#include "tafoni/io/impl/grass_text.h"
 #include "tafoni/io/impl/grid_text.h"
 #include "tafoni/io/impl/pixel_runs.h"
 #include "tafoni/io/impl/raw_heights.h"
@@ -89,13 +90,16 @@ class GdalSource final : public DemSource {
     has_nodata = tagged != 0 && !decoded;
     list_levels(own);
     nan_marks_missing = pairs_.front().mask != nullptr || (has_nodata && std::isnan(nodata));
+    const std::string kind = dataset_->GetDriver()->GetDescription();
+    if (kind == "GRASSASCIIGrid") read_grass();
     read_georeference();
     depths = depths_of(*dataset_, *own);
     read_units(own);
     says_of_heights = unit_stated || scale != 1 || offset != 0 || has_nodata;
-    const std::string kind = dataset_->GetDriver()->GetDescription();
-    if (kind == "AAIGrid" || kind == "GRASSASCIIGrid") check_grid_text(dataset_->GetDescription(), name);
-    if (kind == "AAIGrid") place_grid_text();
+    if (kind == "AAIGrid") {
+      check_grid_text(dataset_->GetDescription(), name);
+      place_grid_text();
+    }
     if (kind == "XYZ")
       leave_out(check_xyz_text(dataset_->GetDescription(), name, transform, width(), height()));
   }
@@ -207,6 +211,7 @@ class GdalSource final : public DemSource {
 
   void read_georeference() {
     georeferenced = dataset_->GetGeoTransform(transform.data()) == CE_None;
+    if (grass_transform_) transform = *grass_transform_;
     const OGRSpatialReference* known = dataset_->GetSpatialRef();
     if (!georeferenced && dataset_->GetGCPCount() > 0) {
       georeferenced =
@@ -245,6 +250,13 @@ class GdalSource final : public DemSource {
     levels.resize(1);
     pairs_.resize(1);
     nan_marks_missing = true;
+  }
+
+  void read_grass() {
+    GrassGrid grid = read_grass_text(dataset_->GetDescription(), name, width(), height(), whole);
+    grass_transform_ = grid.transform;
+    has_nodata = has_nodata && !grid.null_is_word;
+    leave_out(std::move(grid.missing));
   }
 
   void read_units(GDALRasterBand* own) {
@@ -305,6 +317,7 @@ class GdalSource final : public DemSource {
   ColourBands colours_{};
   HeightEncoding encoding_ = HeightEncoding::heights;  ///< of the colours, where `decoded`
   std::vector<Pair> pairs_;
+  std::optional<std::array<double, 6>> grass_transform_;
   PixelRuns gaps_;  ///< where text has no heights, of the finest level
   std::vector<float> mask_;
 };

@@ -25,10 +25,9 @@ struct CloseText {
 
 /// Bytes of a header, and of a piece that is looked through at once.
 constexpr std::size_t header_bytes = 4096, piece_bytes = 1 << 20;
-/// What lines of the two formats' headers begin with.
-constexpr std::string_view header_words[] = {"ncols", "nrows",  "xll",   "yll",   "cellsize", "dx",
-                                             "dy",    "nodata", "north", "south", "east:",    "west",
-                                             "rows:", "cols:",  "null",  "type:"};
+/// What lines of the header begin with; GDAL also takes "null" for one.
+constexpr std::string_view header_words[] = {"ncols", "nrows", "xll",    "yll", "cellsize",
+                                             "dx",    "dy",    "nodata", "null"};
 /// Letters of a word that is shown.
 constexpr std::size_t shown_letters = 20;
 
@@ -103,10 +102,9 @@ class WordSearch {
 
 }  // namespace
 
-void check_grid_text(const std::string& file, const std::string& name) {
+void read_words(const std::string& file, const std::function<void(std::string_view)>& look) {
   const std::unique_ptr<VSILFILE, CloseText> in(VSIFOpenL(file.c_str(), "rb"));
   if (!in) return;
-  WordSearch search(name);
   std::string text;
   for (bool more = true; more;) {
     const std::size_t kept = text.size();
@@ -117,9 +115,14 @@ void check_grid_text(const std::string& file, const std::string& name) {
     const auto last = std::find_if(text.rbegin(), text.rend(), is_space);
     // A word that has no end is none that is read.
     const std::size_t whole = more && last != text.rend() ? text.rend() - last : text.size();
-    search.look(std::string_view(text).substr(0, whole));
+    look(std::string_view(text).substr(0, whole));
     text.erase(0, whole);
   }
+}
+
+void check_grid_text(const std::string& file, const std::string& name) {
+  WordSearch search(name);
+  read_words(file, [&](std::string_view piece) { search.look(piece); });
 }
 
 GridPlace grid_place(const std::string& file, int rows) {

@@ -1,10 +1,15 @@
 #pragma once
-// Grids of text (ESRI's .asc and GRASS's): what GDAL takes for zero without a word.
+// ESRI's grids of text: what GDAL takes for zero without a word.
 
 #include <array>
+#include <functional>
 #include <string>
+#include <string_view>
 
 namespace tafoni::io::impl {
+
+/// Gives a file's text to `look` in pieces that end where a word ends.
+void read_words(const std::string& file, const std::function<void(std::string_view)>& look);
 
 /// Throws Error{input} where a word stands in place of a height. `file` is as GDAL opens it, `name` for
 /// messages.

@@ -145,6 +145,64 @@ TEST(TrustInDem, WordsInAnXyzAreNotZero) {
               HasSubstr("line 241: is longer than 99 letters"));
 }
 
+/// A GRASS grid of 20 by 12 heights.
+template <class F>
+fs::path grass(const std::string& edges, const std::string& more, F&& f) {
+  std::string text = edges + "rows: 12\ncols: 20\n" + more;
+  for (int r = 0; r < 12; ++r) {
+    for (int c = 0; c < 20; ++c) text += fmt::format("{} ", f(c, r));
+    text += '\n';
+  }
+  return written("grass.asc", text);
+}
+
+TEST(TrustInDem, GrassMarksWhatIsMissingByWords) {
+  DemOptions options;
+  options.fill_distance = 0;
+  const std::string edges = "north: 5900120\nsouth: 5900000\neast: 500200\nwest: 500000\n";
+  for (const auto& words : {std::pair("", "*"), std::pair("null: *\n", "*"), std::pair("null: NA\n", "NA"),
+                            std::pair("type: int\n", "nan"), std::pair("type: int\nnull: *\n", "*"),
+                            std::pair("type: float\nnull: -5\n", "-5")}) {
+    const char *const more = words.first, *const word = words.second;
+    const Dem dem = read_dem(
+        grass(edges, more,
+              [&](int c, int r) { return (c + r) % 5 == 3 ? std::string(word) : std::to_string(c * r); }),
+        options);
+    EXPECT_EQ(dem.raster.placement.north, 5900120);
+    for (int r = 0; r < 12; ++r)
+      for (int c = 0; c < 20; ++c) {
+        if ((c + r) % 5 == 3)
+          EXPECT_TRUE(std::isnan(at(dem.raster, c, r))) << more;
+        else
+          EXPECT_EQ(at(dem.raster, c, r), c * r) << more;
+      }
+  }
+  const auto says = [&](const char* more, const char* word) {
+    const fs::path path = grass(
+        edges, more, [&](int c, int r) { return c == 3 && r == 7 ? std::string(word) : std::string("300"); });
+    return thrown_by([&] { read_dem(path); }).text;
+  };
+  EXPECT_THAT(says("type: int\n", "4.75"),
+              HasSubstr("line 15: \"4.75\" stands in a grid whose header says type: int"));
+  EXPECT_THAT(says("", "NA"), HasSubstr("line 14: \"NA\" stands where a height belongs"));
+}
+
+TEST(TrustInDem, GrassHasDegreesMinutesAndSeconds) {
+  const auto flat = [](int c, int) { return 300 + c; };
+  const DemInfo info = inspect_dem(
+      grass("north: 51:06:00N\nsouth: 50:54N\neast: 1:20:00W\nwest: 1.66666666666666667W\n", "", flat));
+  EXPECT_NEAR(info.north, 51.1, 1e-9);
+  EXPECT_NEAR(info.south, 50.9, 1e-9);
+  EXPECT_NEAR(info.east, -4 / 3.0, 1e-9);
+  EXPECT_NEAR(info.west, -5 / 3.0, 1e-9);
+  for (const char* north : {"51:60:00N", "51:6:0:0N", "51:00:00E", "51-06N", ""})
+    EXPECT_THAT(
+        thrown_by([&] {
+          inspect_dem(grass(fmt::format("north: {}\nsouth: 50S\neast: 2E\nwest: 1E\n", north), "", flat));
+        }).text,
+        HasSubstr(fmt::format("its header says \"north: {}\"", north)));
+}
+
 TEST(TrustInDem, CornersAndCentresMayBeMixed) {
   for (const std::string& place : {std::string("xllcenter 500005\nyllcorner 5900000\ncellsize 10"),
                                    std::string("xllcorner 500000\nYLLCENTER 5900005\ncellsize 10"),
