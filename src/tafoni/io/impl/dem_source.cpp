@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "tafoni/io/impl/colour_heights.h"
@@ -88,6 +89,9 @@ class GdalSource final : public DemSource {
     int tagged = 0;
     nodata = own->GetNoDataValue(&tagged);
     has_nodata = tagged != 0 && !decoded;
+    // Pixels of a Float32 band hold the tag's value rounded to theirs.
+    if (stored_type == GDT_Float32 && std::abs(nodata) <= std::numeric_limits<float>::max())
+      nodata = static_cast<float>(nodata);
     list_levels(own);
     nan_marks_missing = pairs_.front().mask != nullptr || (has_nodata && std::isnan(nodata));
     const std::string kind = dataset_->GetDriver()->GetDescription();

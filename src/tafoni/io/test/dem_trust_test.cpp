@@ -90,6 +90,18 @@ TEST(TrustInDem, WordsAmongHeightsAreNotZero) {
               Not(IsEmpty()));
 }
 
+TEST(TrustInDem, TagsOfMissingDataAreRoundedAsPixelsAre) {
+  DemOptions options;
+  options.fill_distance = 0;
+  for (const double mark : {-9999.9, -9999.99, 0.1, -1e-3}) {
+    const fs::path path = temporary("fraction.tif");
+    write_tiff(path, {.nodata = mark}, [&](int c, int r) { return c + r < 12 ? mark : height(c, r); });
+    const Dem dem = read_dem(path, options);
+    EXPECT_TRUE(std::isnan(at(dem.raster, 5, 6))) << mark;
+    EXPECT_EQ(at(dem.raster, 6, 6), height(6, 6)) << mark;
+  }
+}
+
 /// Lines of x, y and z with a header; `z(col, row)` in text, none where it is empty.
 template <class F>
 fs::path xyz(const std::string& name, const std::string& header, F&& z) {
