@@ -25,7 +25,7 @@ constexpr double absurd_height = 1e5;
 
 /// Values that stand for missing data when no tag says so …
 constexpr double marks_below[] = {-9999, -32768, -32767, -99999, -9998, -999};
-/// … and those that do where the height would be beyond all on earth.
+/// … and those that do where the height would be beyond all on earth, or where they mark depths.
 constexpr double marks_above[] = {9999, 32767, 32768, 65535, 99999};
 /// Metres: other heights this near to a mark make it a height as well.
 constexpr double near_mark = 200;
@@ -365,7 +365,7 @@ std::vector<double> DemSource::undeclared_marks(const double* values, std::size_
   };
   for (const double mark : marks_below) look_for(mark);
   for (const double mark : marks_above)
-    if ((mark * scale + offset) * unit > earth_highest) look_for(mark);
+    if (scale < 0 || (mark * scale + offset) * unit > earth_highest) look_for(mark);
   return out;
 }
 

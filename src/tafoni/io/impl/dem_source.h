@@ -30,10 +30,14 @@ struct ReadReport {
   double sentinel_value = 0, absurd_value = 0;
 };
 
-/// Why heights may be depths, positive down. What is not sure holds where most of them are positive.
+/// Where heights are depths by what is said of them: in any case, or as far as most or all of them are
+/// positive.
+enum class DepthsWhere { any, most_positive, all_positive };
+
+/// Why heights may be depths, positive down.
 struct Depths {
   std::string why;
-  bool sure = false;
+  DepthsWhere where = DepthsWhere::any;
 };
 
 class DemSource {

@@ -108,7 +108,11 @@ void guess(DemSource& source) {
 
 void turn_depths(DemSource& source) {
   const Depths& depths = *source.depths;
-  if (!depths.sure && !(sample_numbers(source).sum > 0)) return;
+  if (depths.where == DepthsWhere::most_positive && !(sample_numbers(source).sum > 0)) return;
+  if (depths.where == DepthsWhere::all_positive) {
+    const Sampled numbers = sample_numbers(source);
+    if (!(numbers.lo >= 0 && numbers.sum > 0)) return;
+  }
   source.scale = -source.scale;
   source.offset = -source.offset;
   source.notes.push_back(fmt::format(
@@ -136,15 +140,31 @@ bool speaks_of(std::string_view text, std::initializer_list<std::string_view> wo
   return false;
 }
 
-bool speaks_of_depths(std::string_view text) {
-  return speaks_of(text, {"depth", "depths", "soundings"}) &&
-         !speaks_of(text, {"elevation", "elevations", "height", "heights", "negative", "up"});
+bool names_depths(std::string_view text) {
+  return speaks_of(text, {"depth", "depths", "sounding", "soundings"});
+}
+
+/// Bathymetry is as often heights below zero.
+bool names_sea_floor(std::string_view text) {
+  return speaks_of(text, {"bathymetry", "bathymetric", "bathy"}) &&
+         !speaks_of(text, {"topo", "topography", "topographic", "land"});
+}
+
+bool names_heights(std::string_view text) {
+  return speaks_of(text, {"elevation", "elevations", "height", "heights", "altitude", "negative", "up"});
+}
+
+std::optional<Depths> depths_in(std::string_view text, const std::string& why) {
+  if (names_heights(text)) return std::nullopt;
+  if (names_depths(text)) return Depths{why, DepthsWhere::most_positive};
+  if (names_sea_floor(text)) return Depths{why, DepthsWhere::all_positive};
+  return std::nullopt;
 }
 
 /// A name as depths.tif says little, but is worth a word.
 void hint_by_name(DemSource& source) {
   const std::string stem = std::filesystem::path(source.name).stem().string();
-  if (!speaks_of(stem, {"depth", "depths", "soundings"}) || !(sample_numbers(source).lo >= 0)) return;
+  if (!(names_depths(stem) || names_sea_floor(stem)) || !(sample_numbers(source).lo >= 0)) return;
   source.notes.push_back(
       "its name speaks of depths, but nothing in it does; taken as heights; terrain.height_scale = -1 turns "
       "depths in metres upside down.");
@@ -161,14 +181,13 @@ std::optional<Depths> depths_by(std::string_view item, std::string_view variable
     if (name.substr(0, hash) != lowered(variable)) return std::nullopt;
     name.erase(0, hash + 1);
   }
-  if (name.ends_with("positive") && value.starts_with("down")) return Depths{"positive = down", true};
-  if (value.find("positive down") != std::string::npos) return Depths{fmt::format("{} says so", name), true};
+  if (name.ends_with("positive") && value.starts_with("down")) return Depths{"positive = down"};
+  if (value.find("positive down") != std::string::npos) return Depths{fmt::format("{} says so", name)};
   constexpr std::array<std::string_view, 6> telling = {
       "standard_name", "long_name", "description", "tifftag_imagedescription", "netcdf_varname", "band_name"};
   const bool tells = std::find(telling.begin(), telling.end(), name) != telling.end();
-  if (tells && speaks_of_depths(value))
-    return Depths{fmt::format("its {} is \"{}\"", name, value.substr(0, 60)), false};
-  return std::nullopt;
+  if (!tells) return std::nullopt;
+  return depths_in(value, fmt::format("its {} is \"{}\"", name, value.substr(0, 60)));
 }
 
 }  // namespace
@@ -184,20 +203,20 @@ std::optional<Depths> depths_of(GDALDataset& dataset, GDALRasterBand& band) {
   if (const OGRSpatialReference* crs = dataset.GetSpatialRef(); crs != nullptr && crs->IsVertical()) {
     OGRAxisOrientation axis = OAO_Other;
     if (crs->GetAxis("VERT_CS", 0, &axis) != nullptr && axis == OAO_Down)
-      return Depths{"its vertical axis points down", true};
+      return Depths{"its vertical axis points down"};
   }
   const char* variable = band.GetMetadataItem("NETCDF_VARNAME");
   std::optional<Depths> found;
   const auto look = [&](char** items) {
     for (; items != nullptr && *items != nullptr; ++items)
       if (const auto depths = depths_by(*items, variable != nullptr ? variable : "");
-          depths && !(found && found->sure))
+          depths && !(found && found->where <= depths->where))
         found = depths;
   };
   look(band.GetMetadata());
   look(dataset.GetMetadata());
-  if (!found && speaks_of_depths(band.GetDescription()))
-    found = Depths{fmt::format("its band is called \"{}\"", band.GetDescription()), false};
+  if (!found)
+    found = depths_in(band.GetDescription(), fmt::format("its band is called \"{}\"", band.GetDescription()));
   return found;
 }
 

@@ -303,7 +303,11 @@ TEST(Depths, AreTurnedWhereTheFileSaysSo) {
   with("standard.tif", "standard_name", "sea_floor_depth_below_mean_sea_level", "");
   with("image.tif", "TIFFTAG_IMAGEDESCRIPTION", "soundings in metres, positive down", "");
   with("band.tif", "", "", "Depth");
-  for (const char* name : {"axis.tif", "positive.tif", "standard.tif", "image.tif", "band.tif"}) {
+  with("bathy.tif", "", "", "Bathymetry");
+  with("long.tif", "long_name", "bathymetric grid", "");
+  with("sounding.tif", "description", "mean sounding", "");
+  for (const char* name : {"axis.tif", "positive.tif", "standard.tif", "image.tif", "band.tif", "bathy.tif",
+                           "long.tif", "sounding.tif"}) {
     const Dem dem = read_dem(temporary(name));
     EXPECT_LT(off_by(dem, turned), 1e-4) << name;
     EXPECT_THAT(joined(dem.notes), HasSubstr("holds depths, positive down")) << name;
@@ -315,6 +319,14 @@ TEST(Depths, AreTurnedWhereTheFileSaysSo) {
     open->GetRasterBand(1)->SetDescription("depth");
   }
   EXPECT_LT(off_by(read_dem(temporary("below.tif")), turned), 1e-4);
+  // Bathymetry that reaches above the sea is heights.
+  const auto coast = [&](int c, int r) { return depth(c, r) - 25; };
+  write_tiff(temporary("coast.tif"), {}, coast);
+  {
+    const impl::DatasetPtr open(GDALDataset::Open(temporary("coast.tif").c_str(), GDAL_OF_UPDATE));
+    open->GetRasterBand(1)->SetDescription("bathymetry");
+  }
+  EXPECT_LT(off_by(read_dem(temporary("coast.tif")), coast), 1e-4);
   with("above.tif", "long_name", "elevation, depths negative", "elevation");
   EXPECT_LT(off_by(read_dem(temporary("above.tif")), depth), 1e-4);
   write_tiff(temporary("depths.tif"), {}, depth);
@@ -326,6 +338,14 @@ TEST(Depths, AreTurnedWhereTheFileSaysSo) {
   const Dem said = read_dem(temporary("depths.tif"), options);
   EXPECT_LT(off_by(said, turned), 1e-4);
   EXPECT_THAT(said.notes, IsEmpty());
+  // Marks of missing data stay marks.
+  options.fill_distance = 0;
+  for (const double mark : {9999.0, 99999.0, 32767.0, -9999.0}) {
+    write_tiff(temporary("marks.tif"), {}, [&](int c, int r) { return c + r < 40 ? mark : depth(c, r); });
+    const Dem marked = read_dem(temporary("marks.tif"), options);
+    EXPECT_TRUE(std::isnan(at(marked.raster, 3, 3))) << mark;
+    EXPECT_NEAR(at(marked.raster, 100, 90), turned(100, 90), 1e-4);
+  }
 }
 
 TEST(OwnCrs, IsTakenWhereTheFileNamesNone) {
