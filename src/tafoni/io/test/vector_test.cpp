@@ -50,6 +50,46 @@ TEST_F(ReadPolygons, KeepsRingsAndHoles) {
   EXPECT_EQ(rings[1][1], (Vec2d{4, 2}));
 }
 
+/// Whether rings hold a place, by the even-odd rule.
+bool holds(const std::vector<std::vector<Vec2d>>& rings, Vec2d p) {
+  bool odd = false;
+  for (const auto& ring : rings)
+    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+      const Vec2d a = ring[i], b = ring[j];
+      if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y)) odd = !odd;
+    }
+  return odd;
+}
+
+TEST_F(ReadPolygons, WhatOverlapsIsUnited) {
+  const std::string ring = "[[[0,0],[9,0],[9,9],[0,9],[0,0]],[[1,1],[8,1],[8,8],[1,8],[1,1]]]";
+  const std::string across = "[[[-1,4],[10,4],[10,6],[-1,6],[-1,4]]]";
+  const std::string bow = "[[[2,5],[4,7],[4,5],[2,7],[2,5]]]";  // crosses itself in (3, 6)
+  const auto many = [&](const std::string& more) {
+    std::string text = feature("MultiPolygon", "[" + ring + "," + across + "]");
+    text.resize(text.size() - 2);
+    return text + "," + R"({"type":"Feature","properties":{},"geometry":{"type":"Polygon","coordinates":)" +
+           more + "}}]}";
+  };
+  const auto rings = read_polygons(written("many.geojson", many(bow)), "");
+  const auto inside = [](Vec2d p) {
+    const bool square = std::max(std::abs(p.x - 4.5), std::abs(p.y - 4.5)) < 4.5 &&
+                        std::max(std::abs(p.x - 4.5), std::abs(p.y - 4.5)) > 3.5;
+    const bool bar = p.x > -1 && p.x < 10 && p.y > 4 && p.y < 6;
+    const bool wings = std::abs(p.x - 3) < 1 && std::abs(p.y - 6) < std::abs(p.x - 3);
+    return square || bar || wings;
+  };
+  for (double y = -1.97; y < 11; y += 0.1)
+    for (double x = -1.93; x < 11; x += 0.1) ASSERT_EQ(holds(rings, {x, y}), inside({x, y})) << x << ' ' << y;
+  // Neighbours with a border in common have none within.
+  const auto two = read_polygons(written("two.geojson", feature("MultiPolygon",
+                                                                "[[[[0,0],[5,0],[5,5],[0,5],[0,0]]],"
+                                                                "[[[5,0],[9,0],[9,5],[5,5],[5,0]]]]")),
+                                 "");
+  ASSERT_EQ(two.size(), 1u);
+  EXPECT_TRUE(holds(two, {5, 2}));
+}
+
 TEST_F(ReadPolygons, BringsDegreesToTheScene) {
   // The central meridian of UTM zone 30 has easting 500 km; 53 N lies 5872 km from the equator.
   const auto path = written(
