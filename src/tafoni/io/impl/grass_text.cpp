@@ -66,6 +66,8 @@ class GrassText {
       std::string_view line = piece.substr(0, end);
       while (!line.empty() && std::isspace(static_cast<unsigned char>(line.front()))) line.remove_prefix(1);
       header_ = line.empty() || (std::isalpha(static_cast<unsigned char>(line.front())) && is_key(line));
+      if (!header_ && std::isalpha(static_cast<unsigned char>(line.front())))
+        fail_first_row(name_, line_, line.substr(0, line.find_first_of(" \t\r")));
       if (!header_) break;
       piece.remove_prefix(std::min(end + 1, piece.size()));
       ++line_;

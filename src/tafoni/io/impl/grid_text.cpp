@@ -53,6 +53,7 @@ class WordSearch {
 
   /// `piece` ends where a word ends.
   void look(std::string_view piece) {
+    if (first_) check_first_row(piece);
     std::size_t counted = 0;
     for (auto at = next_odd(piece, piece.begin()); at != piece.end();) {
       auto begin = at, end = at;
@@ -73,6 +74,19 @@ class WordSearch {
 
  private:
   using Place = std::string_view::const_iterator;
+
+  /// The header ends for GDAL where a line does not begin with a letter, so that it leaves out a row that
+  /// does.
+  void check_first_row(std::string_view piece) const {
+    std::size_t line = 1;
+    for (std::size_t at = 0; at < piece.size(); at = piece.find('\n', at) + 1, ++line) {
+      const bool letter = std::isalpha(static_cast<unsigned char>(piece[at])) != 0;
+      if (letter && !in_header(piece, at))
+        fail_first_row(name_, line,
+                       piece.substr(at, piece.substr(at, shown_letters).find_first_of(" \t\r\n")));
+      if (!letter || piece.find('\n', at) == piece.npos) return;
+    }
+  }
 
   /// The next character that is no number's, or a sign before none.
   static Place next_odd(std::string_view piece, Place from) {
@@ -123,6 +137,13 @@ void read_words(const std::string& file, const std::function<void(std::string_vi
 void check_grid_text(const std::string& file, const std::string& name) {
   WordSearch search(name);
   read_words(file, [&](std::string_view piece) { search.look(piece); });
+}
+
+void fail_first_row(const std::string& name, std::size_t line, std::string_view word) {
+  fail(ErrorKind::input,
+       "{}, line {}: \"{}\" begins the heights and would be taken for the header; write a number for missing "
+       "ones, and name it in the header.",
+       name, line, word.substr(0, shown_letters));
 }
 
 GridPlace grid_place(const std::string& file, int rows) {

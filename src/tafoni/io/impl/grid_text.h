@@ -11,6 +11,9 @@ namespace tafoni::io::impl {
 /// Gives a file's text to `look` in pieces that end where a word ends.
 void read_words(const std::string& file, const std::function<void(std::string_view)>& look);
 
+/// Throws Error{input}: the first row of heights begins with a letter.
+[[noreturn]] void fail_first_row(const std::string& name, std::size_t line, std::string_view word);
+
 /// Throws Error{input} where a word stands in place of a height. `file` is as GDAL opens it, `name` for
 /// messages.
 void check_grid_text(const std::string& file, const std::string& name);

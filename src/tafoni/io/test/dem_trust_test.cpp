@@ -199,6 +199,15 @@ TEST(TrustInDem, GrassMarksWhatIsMissingByWords) {
   EXPECT_THAT(says("", "NA"), HasSubstr("line 14: \"NA\" stands where a height belongs"));
 }
 
+TEST(TrustInDem, HeightsThatBeginWithALetterAreNoHeader) {
+  const auto f = [](int c, int r) { return c + r == 0 ? std::string("nan") : std::to_string(300 + c); };
+  EXPECT_THAT(thrown_by([&] { read_dem(ascii("first.asc", 20, 12, at_home, f)); }).text,
+              HasSubstr("line 6: \"nan\" begins the heights"));
+  const std::string edges = "north: 120\nsouth: 0\neast: 200\nwest: 0\n";
+  EXPECT_THAT(thrown_by([&] { read_dem(grass(edges, "", f)); }).text,
+              HasSubstr("line 7: \"nan\" begins the heights"));
+}
+
 TEST(TrustInDem, GrassHasDegreesMinutesAndSeconds) {
   const auto flat = [](int c, int) { return 300 + c; };
   const DemInfo info = inspect_dem(
