@@ -101,7 +101,8 @@ void hold_standard_streams() {
 
 /// Whether what fails before the options are read is to be told as JSON.
 bool wants_json(int argc, const char* const* argv) {
-  return std::any_of(argv, argv + argc, [](const char* word) { return std::string_view(word) == "--json"; });
+  return std::any_of(argv, argv + argc,
+                     [](const char* word) { return std::string_view(word).starts_with("--json"); });
 }
 
 tafoni::Error as_error(const std::exception& thrown) {

@@ -69,16 +69,30 @@ void SceneOptions::apply(scene::Document& document) const {
   }
 }
 
+std::vector<const char*> SceneOptions::given() const {
+  std::vector<const char*> out;
+  for (const auto& [name, is_given] :
+       std::initializer_list<std::pair<const char*, bool>>{{"--set", !set.empty()},
+                                                           {"--dem", !dem.empty()},
+                                                           {"--window", !window.empty()},
+                                                           {"--resolution", resolution.has_value()},
+                                                           {"--voxel", voxel.has_value()},
+                                                           {"--simplify", simplify.has_value()},
+                                                           {"--boundary", !boundary.empty()},
+                                                           {"--seed", seed.has_value()}})
+    if (is_given) out.push_back(name);
+  return out;
+}
+
 void SceneOptions::check_unused(const std::string& file, bool seed_counts) const {
-  const std::pair<const char*, bool> given[] = {
-      {"--set", !set.empty()},           {"--dem", !dem.empty()},
-      {"--window", !window.empty()},     {"--resolution", resolution.has_value()},
-      {"--voxel", voxel.has_value()},    {"--simplify", simplify.has_value()},
-      {"--boundary", !boundary.empty()}, {"--seed", seed.has_value() && !seed_counts}};
-  for (const auto& [name, is_given] : given)
-    if (is_given)
+  for (const char* name : given())
+    if (!seed_counts || std::string_view(name) != "--seed")
       fail(ErrorKind::usage, "{}: a mesh is as it is; {} is for scenes, elevation models and volumes", file,
            name);
+}
+
+void SceneOptions::check_none(const std::string& reason) const {
+  for (const char* name : given()) fail(ErrorKind::usage, "{}: {}", name, reason);
 }
 
 void OutputOptions::declare(Args& args) {

@@ -345,7 +345,7 @@ void run_scene(const scene::Document& document, const std::string& scene_file, c
     make_outputs(scene, outputs, written, console);
   }
   if (!outputs.save_scene.empty()) {
-    scene::save_copy(document, outputs.save_scene);
+    scene::save_copy(document, outputs.save_scene, console);
     written.emplace_back(outputs.save_scene);
   }
   if (!console.json()) {

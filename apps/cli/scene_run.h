@@ -34,6 +34,12 @@ struct SceneOptions {
   void apply(scene::Document& document) const;
   /// Throws Error{usage} where one is given for a mesh, but for the seed where it counts.
   void check_unused(const std::string& file, bool seed_counts = false) const;
+  /// Throws Error{usage} "OPTION: REASON" where one is given.
+  void check_none(const std::string& reason) const;
+
+ private:
+  /// The options that are given.
+  std::vector<const char*> given() const;
 };
 
 /// What a build leaves behind.

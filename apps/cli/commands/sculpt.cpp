@@ -64,8 +64,7 @@ std::string as_file(const std::vector<scene::Journal::Entry>& strokes) {
 std::size_t layer_of(const Sculpt& s, scene::Session& session) {
   const auto& layers = session.document().layers;
   std::vector<std::string> known;
-  for (const scene::Layer& layer : layers)
-    if (!layer.settings.name.empty()) known.push_back(layer.settings.name);
+  for (const scene::Layer& layer : layers) known.push_back(scene::shown_name(layer));
   const auto has = [&](const std::string& name) {
     return std::find(known.begin(), known.end(), name) != known.end();
   };
@@ -82,10 +81,24 @@ std::size_t layer_of(const Sculpt& s, scene::Session& session) {
        s.layer, s.scene_file, near.empty() ? "" : fmt::format("did you mean \"{}\"? Or ", near), s.layer);
 }
 
+void check_ids(const Sculpt& s, scene::Session& session, std::size_t layer) {
+  const bool asked = s.go_to || s.mute || s.unmute;
+  const auto history = asked && !session.missing_journal(layer) ? session.history(layer)
+                                                                : std::vector<scene::Journal::Entry>();
+  for (const auto& [name, id] : {std::pair{"--go-to", s.go_to}, {"--mute", s.mute}, {"--unmute", s.unmute}}) {
+    const auto is_it = [id = id](const auto& entry) { return entry.id == *id; };
+    if (id && *id != 0 && std::none_of(history.begin(), history.end(), is_it))
+      fail(ErrorKind::usage, "{} {}: the layer has no stroke {}; see --all", name, *id, *id);
+  }
+}
+
 /// What changes the journal, in the order in which --help names it. What was done goes to `done`.
 void edit(const Sculpt& s, scene::Session& session, std::size_t layer,
           const std::vector<scene::Stroke>& strokes, bool changes, Json& done, Console& console) {
   const auto other = changes ? session.borrowed_from(layer) : std::nullopt;
+  if (const auto missing = session.missing_journal(layer); missing && !strokes.empty())
+    console.warn(
+        fmt::format("{} was missing and is begun anew; earlier strokes are not there", missing->string()));
   const auto say = [&](const char* what, std::size_t n) {
     done[what] = n;
     if (!console.json()) console.print(fmt::format("{}  {} stroke{}\n", what, n, n == 1 ? "" : "s"));
@@ -134,10 +147,23 @@ int run(const Sculpt& s, Console& console) {
          "nothing to do: give --stroke, --strokes, --undo, --redo, --go-to, --mute, --unmute, --list, --all, "
          "--write "
          "or -o FILE");
+  if (changes && s.outputs.dry_run)
+    fail(ErrorKind::usage, "--dry-run: writes nothing, and strokes are kept; leave out one of them");
+  if (console.json() && (s.list || s.all) && builds)
+    fail(ErrorKind::usage,
+         "--json: prints the strokes or the report of a build; leave out --list or the outputs");
+  if (!builds) s.scene.check_none("is for what is built; give -o FILE, too");
   const auto strokes = strokes_of(s);
   scene::Session session = scene::Session::open(s.scene_file);
   const std::size_t layer = layer_of(s, session);
   check_files(s, session);
+  // What is refused is refused before anything is changed.
+  if (builds) {
+    scene::Document trial = session.document();
+    s.scene.apply(trial);
+  }
+  session.check_strokes(strokes);
+  check_ids(s, session, layer);
   Json done = Json::object();
   edit(s, session, layer, strokes, changes, done, console);
   if (console.json() && !s.list && !s.all && !builds) console.result(json_text(done));

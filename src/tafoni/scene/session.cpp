@@ -221,7 +221,7 @@ void Session::save() {
 std::size_t Session::sculpt_layer(std::string_view name) {
   const auto& layers = state_->document.layers;
   for (std::size_t i = layers.size(); i-- > 0;) {
-    if (!name.empty() && layers[i].settings.name != name) continue;
+    if (!name.empty() && shown_name(layers[i]) != name) continue;
     if (find_layer_type(layers[i].type).takes_strokes) return i;
     if (!name.empty())
       fail(ErrorKind::usage, "the layer {} is of type {}, which takes no strokes; choose another name", name,
@@ -247,13 +247,31 @@ void Session::stroke(std::size_t layer, std::span<const Stroke> strokes) {
   s.sculpt(layer);
   if (strokes.empty()) return;
   s.check(strokes);
+  if (const auto missing = missing_journal(layer)) {
+    // One of two processes makes it; the other opens what it made.
+    const inner::FileLock lock = impl::lock_scene(s.file.empty() ? *missing : s.file);
+    Journal::make(*missing);
+  }
   Journal* journal = s.own_journal(layer);
   if (!journal) journal = s.give_journal(layer);
   journal->append(strokes);
 }
 
+void Session::check_strokes(std::span<const Stroke> strokes) {
+  state_->check(strokes);
+}
+
+std::optional<fs::path> Session::missing_journal(std::size_t layer) const {
+  const State& s = *state_;
+  const std::string path = impl::stroke_files(s.sculpt(layer)).journal;
+  std::error_code code;
+  if (path.empty() || fs::exists(s.document.resolve(path), code)) return {};
+  return s.document.resolve(path);
+}
+
 std::optional<fs::path> Session::borrowed_from(std::size_t layer) {
   State& s = *state_;
+  if (missing_journal(layer)) return {};
   const Journal* journal = s.journal(s.sculpt(layer));
   if (!journal || s.file.empty()) return {};
   if (auto other = impl::other_scene(*journal, s.file)) return other;

@@ -77,6 +77,10 @@ class Session {
   /// The scene file whose journal the layer names where that is another's, as after the file was copied, or
   /// where another layer names it too. The first change makes a copy for this layer.
   std::optional<std::filesystem::path> borrowed_from(std::size_t layer);
+  /// The journal that the layer names where it is not there; a stroke begins it anew.
+  std::optional<std::filesystem::path> missing_journal(std::size_t layer) const;
+  /// Throws Error{usage} for strokes that stroke() refuses, before anything is changed.
+  void check_strokes(std::span<const Stroke> strokes);
   /// How many strokes went or came back.
   std::size_t undo(std::size_t layer, std::size_t steps = 1);
   std::size_t redo(std::size_t layer, std::size_t steps = 1);

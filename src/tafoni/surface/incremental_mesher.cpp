@@ -71,6 +71,7 @@ struct Chunk {
     impl::SettleScratch scratch;
     impl::settle_inside(piece, voxel, scratch);
     piece.normals = normals;
+    piece.rim = {};
   }
   void read_signs(const ChunkSamples& from, const BrickBox& box);
 };
@@ -406,6 +407,11 @@ mesh::Mesh IncrementalMesher::assemble() {
     if (parts) connectivity.add(piece);
   }
   if (parts) connectivity.decide(s.settings.min_fragment_volume);
+  parallel_for(std::ssize(pieces), [&](std::int64_t p) {
+    if (pieces[p].normals.empty()) return;
+    impl::SettleScratch scratch;
+    impl::settle_inside(pieces[p], s.settings.voxel, scratch);
+  });
   double seconds = 0;
   return impl::assemble(pieces, s.settings.voxel, parts ? &connectivity : nullptr, impl::SeamSums(), &seconds,
                         &seconds);

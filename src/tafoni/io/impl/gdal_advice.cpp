@@ -60,15 +60,18 @@ std::string advice_for(const fs::path& path, unsigned flags) {
   const GdalMessages unheard;
   if (const std::string prefix = archive_prefix(path); !prefix.empty())
     return archive_advice(prefix, path, flags);
-  for (const char* ending : data_endings) {
-    fs::path data = path;
-    data.replace_extension() += ending;
-    if (data != path && fs::is_regular_file(data, code) && is_identified(data.string(), flags))
-      return fmt::format("it goes with {}, which holds the data; name that", data.string());
-  }
   std::string ending = path.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return std::tolower(c); });
+  const bool words =
+      std::find(std::begin(words_endings), std::end(words_endings), ending) != std::end(words_endings);
+  for (const char* beside : data_endings) {
+    if (!words) break;
+    fs::path data = path;
+    data.replace_extension() += beside;
+    if (data != path && fs::is_regular_file(data, code) && is_identified(data.string(), flags))
+      return fmt::format("it goes with {}, which holds the data; name that", data.string());
+  }
   if (ending == ".hgt")
     return "the name of such a tile says where it lies, as N43E005.hgt does; give it its own back";
   return "";

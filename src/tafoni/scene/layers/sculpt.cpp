@@ -87,7 +87,7 @@ void warn_of_idle(const impl::Sculpted& sculpted, const impl::LayerSite& site) {
     // Most lie no higher than some ground, which tells at once that they may carve.
     if (box.lo.z <= terrain.box.hi.z || !impl::over_domain(terrain, box)) return true;
     if (!rock) rock = field::compile(below.open);
-    return rock->interval(box).lo <= 0;
+    return rock->interval(box).hi > 0;
   });
   if (air.count > 0)
     progress.warn(fmt::format(

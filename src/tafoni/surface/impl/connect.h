@@ -43,8 +43,9 @@ class Connectivity {
 };
 
 /// One mesh of pieces in ascending order of (chunk.y, chunk.x, chunk.z), vertices on shared faces merged.
-/// Consumes the pieces. Parts that `connectivity` removes are left out; it may be null. Normals are made to
-/// agree with the triangles, whose share beyond the pieces' outer border `seams` knows.
+/// Consumes the pieces, which are settled inside (settle_inside() in rim.h) if they have normals. Parts that
+/// `connectivity` removes are left out; it may be null. Normals are made to agree with the triangles, whose
+/// share beyond the pieces' outer border `seams` knows.
 mesh::Mesh assemble(std::vector<Piece>& pieces, double voxel, const Connectivity* connectivity,
                     const SeamSums& seams, double* stitch_seconds, double* gather_seconds);
 

@@ -124,7 +124,7 @@ TEST_F(Flat, StrokesThatCarveAirAreTold) {
         warnings);
   EXPECT_THAT(
       warnings.said,
-      ElementsAre("layer dig: 2 of 3 strokes that carve (\"sphere at=40,30,90 radius=4\" …) meet nothing "
+      ElementsAre("layer dig: 2 of 3 strokes that carve (\"sphere at=40,30,90 radius=4.0\" …) meet nothing "
                   "but air, above all rock, and change nothing; check their heights"));
   warnings.said.clear();
   build(scene("sphere at=40,30,90 radius=8 mode=add\nsphere at=40,30,90 radius=4\n"), warnings);

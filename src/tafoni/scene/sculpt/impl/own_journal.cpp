@@ -66,8 +66,8 @@ std::string name_of_journal(const fs::path& scene, const Layer& layer, int n) {
   return name.substr(0, size) + end;
 }
 
-/// Whether a file is a journal of this scene that holds nothing which `from` has not: what a copy that was
-/// not finished, or an earlier copy, left.
+}  // namespace
+
 bool gives_way(const fs::path& file, const fs::path& scene, const Journal* from) {
   try {
     const Journal there = Journal::open(file);
@@ -82,7 +82,20 @@ bool gives_way(const fs::path& file, const fs::path& scene, const Journal* from)
   }
 }
 
-}  // namespace
+std::vector<fs::path> journals_of(const fs::path& scene) {
+  std::vector<fs::path> out;
+  std::error_code code;
+  if (!fs::is_regular_file(scene, code)) return out;
+  try {
+    const Document document = load_scene(scene);
+    for (const Layer& layer : document.layers)
+      if (const fs::path named = journal_of(document, layer); !named.empty() && fs::exists(named, code))
+        out.push_back(named);
+  } catch (const Error&) {
+    return {};
+  }
+  return out;
+}
 
 std::optional<fs::path> other_scene(const Journal& journal, const fs::path& scene) {
   const std::vector<fs::path> scenes = scenes_of(journal);
@@ -102,9 +115,9 @@ std::string scene_from(const Journal& journal, const fs::path& scene) {
 
 bool is_shared(const Document& document, std::size_t layer) {
   const fs::path file = journal_of(document, document.layers[layer]);
-  return std::any_of(document.layers.begin(), document.layers.begin() + layer, [&](const Layer& other) {
+  return std::any_of(document.layers.begin(), document.layers.end(), [&](const Layer& other) {
     const fs::path named = journal_of(document, other);
-    return !file.empty() && !named.empty() && same_file(file, named);
+    return &other != &document.layers[layer] && !file.empty() && !named.empty() && same_file(file, named);
   });
 }
 
@@ -153,6 +166,8 @@ fs::path make_journal(Document& document, std::size_t index, const fs::path& fil
   const fs::path from_here = fs::absolute(document.resolve(".")).lexically_normal();
   Layer& layer = document.layers[index];
   std::error_code code;
+  // What the file names until it is saved again must stay as it is: nobody knows whether it will be.
+  const std::vector<fs::path> named_there = journals_of(real);
   for (int n = 1;; ++n) {
     const std::string name = name_of_journal(real, layer, n);
     const fs::path path = real.parent_path() / name;
@@ -160,7 +175,9 @@ fs::path make_journal(Document& document, std::size_t index, const fs::path& fil
       const fs::path named = journal_of(document, other);
       return !named.empty() && same_file(named, path);
     });
-    if (used) continue;
+    const bool used_there = std::any_of(named_there.begin(), named_there.end(),
+                                        [&](const fs::path& named) { return same_file(named, path); });
+    if (used || used_there) continue;
     if (gives_way(path, real, from)) fs::remove(path, code);
     if (!Journal::make(path, real.filename().string(), from)) continue;
     set_journal(layer, path.lexically_relative(from_here).string());

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tafoni/core/inner/file_lock.h"
 #include "tafoni/scene/document/document.h"
@@ -18,7 +19,7 @@ namespace tafoni::scene::impl {
 std::optional<std::filesystem::path> other_scene(const Journal& journal, const std::filesystem::path& scene);
 /// How the journal says that the scene file is its own.
 std::string scene_from(const Journal& journal, const std::filesystem::path& scene);
-/// Whether another layer, before this one, names the same journal.
+/// Whether another layer names the same journal.
 bool is_shared(const Document& document, std::size_t layer);
 
 /// Held while a layer gets a journal. Throws Error{output} where another program holds it for long.
@@ -33,9 +34,15 @@ std::optional<Document> changed_by_others(const Document& document, const std::f
 void take_over(Document& document, std::size_t layer, const std::filesystem::path& file);
 
 /// Makes a journal beside the scene file that holds what `from` does, or nothing, and names it in the layer.
-/// A journal of that scene which no layer names, with no strokes but those of `from`, gives way. Gives the
-/// journal's path.
+/// A journal of that scene which neither the document nor the file names, with no strokes but those of
+/// `from`, gives way. Gives the journal's path.
 std::filesystem::path make_journal(Document& document, std::size_t layer, const std::filesystem::path& file,
                                    const Journal* from);
+
+/// The journals that the scene file names and that are there; none where it cannot be read.
+std::vector<std::filesystem::path> journals_of(const std::filesystem::path& scene);
+/// Whether a file is a journal of this scene that holds nothing which `from` has not, as a copy that was not
+/// finished, or an earlier copy, leaves it. `from` may be null.
+bool gives_way(const std::filesystem::path& journal, const std::filesystem::path& scene, const Journal* from);
 
 }  // namespace tafoni::scene::impl

@@ -11,6 +11,7 @@
 
 #include "tafoni/core/error.h"
 #include "tafoni/core/test/errors.h"
+#include "tafoni/core/test/heard_warnings.h"
 #include "tafoni/core/test/test_folder.h"
 #include "tafoni/io/csv.h"
 #include "tafoni/scene/sculpt/copy.h"
@@ -173,7 +174,7 @@ TEST_F(OwnJournal, ASavedCopyTakesItsStrokesAlong) {
   const fs::path copy = root / "b/a.toml";
   for (int times = 0; times < 2; ++times) save_copy(load_scene(a), copy);
   EXPECT_EQ(files().size(), 4u) << "the same again makes no more";
-  EXPECT_THAT(io::read_text(copy), HasSubstr("journal = \"a.sculpt.journal\""));
+  EXPECT_THAT(io::read_text(copy), HasSubstr("journal = \"a.sculpt"));
   undo(copy);
   EXPECT_THAT(strokes(copy), ElementsAre(1));
   EXPECT_THAT(strokes(a), ElementsAre(1, 2));
@@ -181,13 +182,58 @@ TEST_F(OwnJournal, ASavedCopyTakesItsStrokesAlong) {
   EXPECT_EQ(session.redo(0, 9), 2u) << "undone strokes came along";
   // Strokes of the copy's own are not overwritten by saving over it.
   stroke(copy, 4);
-  save_copy(load_scene(a), copy);
+  HeardWarnings heard;
+  save_copy(load_scene(a), copy, heard);
+  EXPECT_THAT(heard.said, ElementsAre(HasSubstr("its strokes stay in ")));
   EXPECT_THAT(strokes(copy), ElementsAre(1, 2));
   EXPECT_EQ(files().size(), 5u);
   // Onto itself it stays as it is.
   save_copy(load_scene(a), root / "b/../a.toml");
   EXPECT_EQ(files().size(), 5u);
   EXPECT_THAT(strokes(a), ElementsAre(1, 2));
+}
+
+TEST_F(OwnJournal, ACopyThatFailsLeavesTheFormerOneWhole) {
+  const fs::path a = make();
+  stroke(a, 1);
+  const fs::path copy = root / "copy.toml";
+  save_copy(load_scene(a), copy);
+  stroke(a, 2);
+  Document unsaved = load_scene(a);
+  unsaved.layers.push_back(unsaved.layers.back());
+  unsaved.layers.back().settings.name = "second";
+  unsaved.layers.back().values["journal"] = std::string("nowhere.journal");
+  EXPECT_ANY_THROW(save_copy(unsaved, copy));
+  EXPECT_THAT(strokes(copy), ElementsAre(1));
+}
+
+TEST_F(OwnJournal, SavingOntoItselfKeepsWhatOthersWrote) {
+  const fs::path a = make();
+  Document document = load_scene(a);
+  set(document, "scene.seed=5");
+  stroke(a, 1);
+  EXPECT_THAT(error_of([&] { save_copy(document, a); }), HasSubstr("was changed by another program"));
+  EXPECT_THAT(strokes(a), ElementsAre(1));
+}
+
+TEST_F(OwnJournal, AMissingJournalIsBegunAnew) {
+  const fs::path a = make();
+  stroke(a, 1);
+  fs::remove(root / "a.sculpt.journal");
+  Session session = Session::open(a);
+  EXPECT_EQ(session.missing_journal(0), root / "a.sculpt.journal");
+  stroke(a, 2);
+  EXPECT_THAT(strokes(a), ElementsAre(2));
+}
+
+TEST_F(OwnJournal, TheFirstOfTwoLayersGetsItsOwnToo) {
+  const fs::path a = make();
+  stroke(a, 1, "low");
+  std::ofstream(a, std::ios::app) << "\n[[layer]]\ntype = \"sculpt\"\nname = \"high\"\njournal = "
+                                     "\"a.low.journal\"\n";
+  stroke(a, 2, "low");
+  EXPECT_THAT(strokes(a, "low"), ElementsAre(1, 2));
+  EXPECT_THAT(strokes(a, "high"), ElementsAre(1));
 }
 
 TEST_F(OwnJournal, ManyFirstStrokesAtOnceAreAllKept) {
