@@ -21,6 +21,65 @@ std::string shown(std::string_view word, std::size_t most = 60) {
   return word.size() > most ? out + "…" : out;
 }
 
+/// Tables within tables that a header or a key may make: no scene has half as many, and the parser goes down
+/// into each by a call.
+constexpr int most_dots = 64;
+
+/// Counts the dots of headers and keys before the parser sees them. Outside of strings and comments a value
+/// has few, and what no key has in it begins the count anew.
+class DotCount {
+ public:
+  explicit DotCount(std::string_view text) : text_(text) {}
+
+  /// The line of the first that has too many, or 0.
+  int line_of_too_many() {
+    std::vector<int> outer;  // dots down to each inline table that is open
+    int above = 0, run = 0, key = 0;
+    while (at_ < text_.size()) {
+      const char c = text_[at_];
+      if (c == '"' || c == '\'') {
+        step_over_string(c);
+        continue;
+      }
+      ++at_;
+      if (c == '.' && above + ++run > most_dots) return line_;
+      if (c == '=') key = run;
+      if (c == '{') {
+        outer.push_back(key);
+        above += key;
+      }
+      if (c == '}' && !outer.empty()) {
+        key = outer.back();
+        outer.pop_back();
+        above -= key;
+      }
+      if (c == '#') at_ = std::min(text_.find('\n', at_), text_.size());
+      if (c == '\n') ++line_;
+      if (std::string_view("\n=,[]{}").find(c) != std::string_view::npos) run = 0;
+    }
+    return 0;
+  }
+
+ private:
+  void step_over_string(char quote) {
+    const bool several_lines = text_.substr(at_, 3) == std::string(3, quote);
+    const std::string end(several_lines ? 3 : 1, quote);
+    for (at_ += end.size(); at_ < text_.size(); ++at_) {
+      if (text_.substr(at_, end.size()) == end) break;
+      if (text_[at_] == '\n' && !several_lines) return;
+      if (text_[at_] == '\n') ++line_;
+      if (text_[at_] == '\\' && quote == '"' && text_.substr(at_ + 1, 1) != "\n") ++at_;
+    }
+    at_ = std::min(at_ + end.size(), text_.size());
+    // Two quotes more may stand before the three that end a string of several lines.
+    for (int more = 0; several_lines && more < 2 && text_.substr(at_, 1) == end.substr(1, 1); ++more) ++at_;
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0;
+  int line_ = 1;
+};
+
 std::string place(const std::filesystem::path& file, const toml::source_region& source) {
   return source.begin ? fmt::format("{}:{}", file.string(), source.begin.line) : file.string();
 }
@@ -267,6 +326,11 @@ Document parse_scene(std::string_view text, const std::filesystem::path& file) {
          "{}:{}: is not UTF-8; save it as UTF-8, and write bytes of names that are none as in "
          "'d\\xE9nivel\\xE9'",
          file.string(), 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+  if (const int line = DotCount(text).line_of_too_many(); line > 0)
+    fail(ErrorKind::input,
+         "{}:{}: a header or key has more than {} dots, each of which nests a table; name "
+         "fewer parts",
+         file.string(), line, most_dots);
   toml::table root;
   try {
     root = toml::parse(text);

@@ -136,6 +136,30 @@ TEST(ParseScene, DeepNestingIsRefusedNotACrash) {
   EXPECT_THAT(message("a = " + std::string(100000, '{')), HasSubstr("is not valid TOML"));
 }
 
+TEST(ParseScene, ManyDotsAreRefusedNotACrash) {
+  std::string parts = "a";
+  for (int i = 0; i < 100000; ++i) parts += ".a";
+  for (const std::string& text :
+       {"[" + parts + "]", "[[" + parts + "]]", parts + " = 1", "a = {" + parts + " = 1}"})
+    EXPECT_THAT(message("# one\nb = \"\"\"\"\"\n\"\"\"\"\" # \"\n" + text),
+                HasSubstr("s.toml:4: a header or key has more than 64 dots"));
+  // Each key has few, and all of them together many.
+  std::string nested_keys = "x = ";
+  for (int i = 0; i < 20; ++i) nested_keys += "{a.b.c.d.e = ";
+  EXPECT_THAT(message(nested_keys), HasSubstr("s.toml:1: a header or key has more than 64 dots"));
+}
+
+TEST(ParseScene, DotsInValuesAreNoNesting) {
+  const std::string dots(1000, '.');
+  std::string numbers = "1.5";
+  for (int i = 0; i < 1000; ++i) numbers += ", 1.5";
+  EXPECT_NO_THROW(
+      parse_scene("# " + dots + "\n[terrain]\nsource = \"" + dots + "\\\"" + dots + "\"\n", "s.toml"));
+  EXPECT_NO_THROW(parse_scene("[terrain]\nsource = '" + dots + "'\n", "s.toml"));
+  EXPECT_NO_THROW(parse_scene("[terrain]\nsource = \'\'\'" + dots + "\n" + dots + "\'\'\'\'\'\n", "s.toml"));
+  EXPECT_THAT(message("[terrain]\nsource = [" + numbers + "]"), HasSubstr("source must be"));
+}
+
 TEST(Nesting, IsRead) {
   const Document d = parse_scene(nested, "s.toml");
   ASSERT_EQ(d.geology.size(), 2u);
