@@ -291,10 +291,13 @@ class Reader {
   }
 
   std::uint64_t items_of(const Json& mesh) const {
-    std::uint64_t items = 0;
+    // Those of points and lines are met and left out each time.
+    const auto primitives = mesh.find("primitives");
+    const bool any = primitives != mesh.end() && primitives->is_array();
+    std::uint64_t items = any ? primitive_items * primitives->size() : 0;
     for_each_primitive(mesh, [&](const Json& primitive) {
       const std::uint64_t vertices = positions_of(primitive).count;
-      items += primitive_items + vertices;
+      items += vertices;
       items += primitive.contains("indices")
                    ? document_.accessor(document_.whole(primitive, "indices", 0)).count
                    : vertices;

@@ -284,6 +284,10 @@ TEST(Glb, CyclesAndBombsAreRefused) {
   small.resize(small.size() - 3);
   for (int i = 0; i < 2000; ++i) small += R"(,{"attributes":{"POSITION":0}})";
   EXPECT_THAT(says("glb", glb(small + "]}]}", binary)), HasSubstr("2001 nodes repeat its meshes"));
+  // So do those that are no triangles.
+  std::string points = small.substr(0, small.find(R"(,{"attributes")"));
+  for (int i = 0; i < 2000; ++i) points += R"(,{"mode":0})";
+  EXPECT_THAT(says("glb", glb(points + "]}]}", binary)), HasSubstr("2001 nodes repeat its meshes"));
   const std::string deep(100000, '[');
   EXPECT_THAT(says("glb", glb(deep, binary)), HasSubstr("its JSON cannot be parsed"));
 }
