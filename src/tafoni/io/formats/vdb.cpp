@@ -147,20 +147,10 @@ struct Samples {
         for (int x = box.lo.x; x <= box.hi.x; x += block) load_block(box, {x, y, z}, chunk.values);
   }
 
-  /// Chunks that a leaf lies in; one, since both begin at multiples of a leaf's side.
+  /// Chunks that hold a leaf or unlike tiles; each of these lies in one chunk, since all begin at multiples
+  /// of a leaf's side.
   std::uint64_t full_chunks(const volume::GridFrame& frame) const {
-    constexpr std::int64_t side = ScalarGrid::chunk_samples;
-    const std::int64_t nx = (frame.size.x - 1) / side + 1, ny = (frame.size.y - 1) / side + 1;
-    std::vector<std::int64_t> found;
-    for (std::size_t i = 0; i < tree.leaves(); ++i) {
-      const Vec3i origin = tree.leaf_origin(i);
-      const std::int64_t x = std::int64_t{origin.x} - first.x, y = std::int64_t{origin.y} - first.y,
-                         z = std::int64_t{origin.z} - first.z;
-      if (x >= 0 && y >= 0 && z >= 0 && x < frame.size.x && y < frame.size.y && z < frame.size.z)
-        found.push_back((z / side * ny + y / side) * nx + x / side);
-    }
-    std::sort(found.begin(), found.end());
-    return std::unique(found.begin(), found.end()) - found.begin();
+    return tree.mixed_cubes(ScalarGrid::chunk_samples, first, frame.size);
   }
 
  private:

@@ -71,7 +71,7 @@ std::uint32_t VdbTree::read_node(VdbBytes& in, Vec3i origin) {
   constexpr int bits = Level ? upper_bits : lower_bits, child_total = Level ? lower_total : leaf_bits;
   constexpr std::size_t entries = std::size_t{1} << (3 * bits);
   const VdbMask child = in.take(entries / 8), on = in.take(entries / 8);
-  Node node{child, std::vector<float>(entries)};
+  Node node{origin, child, std::vector<float>(entries)};
   read_values(in, coding_, on, node.entries);
   const auto place = [&](std::size_t i) { return origin + entry_place(i, bits) * (1 << child_total); };
   each_on(on, [&](std::size_t i) {
@@ -113,6 +113,33 @@ void VdbTree::add_active_voxels(const Leaf& leaf) {
     within = within && active_.lo[axis] <= at[axis] && at[axis] + leaf_side - 1 <= active_.hi[axis];
   if (within) return;
   each_on(leaf.on, [&](std::size_t i) { add_active(leaf.origin + entry_place(i, leaf_bits), 1, 0); });
+}
+
+std::uint64_t VdbTree::mixed_cubes(int side, Vec3i first, Vec3i size) const {
+  const auto within = [&](Vec3i at) {
+    const auto axis = [](std::int64_t v, int begin, int length) { return v >= begin && v - begin < length; };
+    return axis(at.x, first.x, size.x) && axis(at.y, first.y, size.y) && axis(at.z, first.z, size.z);
+  };
+  struct Cube {
+    bool any = false, mixed = false;
+    std::uint32_t value = 0;  // as bits, so that zeros of both signs differ
+  };
+  const int cubes = (1 << lower_total) / side;
+  std::uint64_t out = 0;
+  for (const Node& node : lower_) {
+    std::vector<Cube> found(std::size_t{1} * cubes * cubes * cubes);
+    for (std::size_t i = 0; i < node.entries.size(); ++i) {
+      const Vec3i at = entry_place(i, lower_bits) * (1 << leaf_bits);
+      if (!within(node.origin + at)) continue;
+      Cube& cube = found[(at.x / side * cubes + at.y / side) * cubes + at.z / side];
+      const auto value = std::bit_cast<std::uint32_t>(node.entries[i]);
+      cube.mixed = cube.mixed || is_on(node.child, i) || (cube.any && value != cube.value);
+      cube.any = true;
+      cube.value = value;
+    }
+    out += std::count_if(found.begin(), found.end(), [](const Cube& cube) { return cube.mixed; });
+  }
+  return out;
 }
 
 std::optional<std::size_t> VdbTree::leaf_at(Vec3i voxel, Tile* tile) const {

@@ -35,7 +35,10 @@ class VdbTree {
   std::optional<std::size_t> leaf_at(Vec3i voxel, Tile* tile) const;
   /// Any thread. Throws Error{input}.
   void read_leaf(std::size_t leaf, LeafValues& out) const;
-  Vec3i leaf_origin(std::size_t leaf) const { return leaves_[leaf].origin; }
+  /// How many of the cubes of `side` voxels a side, which divides a lower node's and is a multiple of a
+  /// leaf's, hold a leaf or tiles of unlike values. Looks at the leaves and tiles that begin within `size`
+  /// voxels from `first` alone, a multiple of the side.
+  std::uint64_t mixed_cubes(int side, Vec3i first, Vec3i size) const;
 
   /// Active voxels, tiles' too, by their indices, ends included; none where lo > hi.
   struct Extent {
@@ -54,6 +57,7 @@ class VdbTree {
   };
   /// 16^3 or 32^3 entries: a tile's value, or a child's number as the bits of a float.
   struct Node {
+    Vec3i origin;
     VdbMask child;
     std::vector<float> entries;
     std::uint32_t child_at(std::size_t i) const { return std::bit_cast<std::uint32_t>(entries[i]); }

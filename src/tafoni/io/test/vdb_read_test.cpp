@@ -191,6 +191,34 @@ TEST_F(VdbRead, AnActiveTileOfTheRootIsRead) {
   EXPECT_LT(volume.grid.bytes(), std::size_t{100} << 20);
 }
 
+/// Of a block of 16 by 16 by 16 tiles, `side` voxels apart.
+Coord tile_place(int i, int side) {
+  return {side * (i >> 8), side * (i >> 4 & 15), side * (i & 15)};
+}
+
+TEST_F(VdbRead, SmallTilesOfUnlikeValuesFillChunksOfThemselves) {
+  openvdb::initialize();
+  auto grid = FloatGrid::create(1.0f);
+  // One tile of another value in each of 4096 chunks takes them to half a gigabyte.
+  for (int i = 0; i < 4096; ++i) grid->tree().addTile(1, tile_place(i, 32), -1, true);
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  openvdb::io::File(path("a.vdb").string()).write({grid});
+  EXPECT_THAT(error_of([&] { read_volume(path("a.vdb")); }), HasSubstr("would take 0.54 GB of memory"));
+}
+
+TEST_F(VdbRead, SmallTilesOfOneValueTakeNoMemory) {
+  openvdb::initialize();
+  auto grid = FloatGrid::create(1.0f);
+  for (int i = 0; i < 4096; ++i) grid->tree().addTile(1, tile_place(i, 8), -1, true);
+  grid->tree().addTile(1, Coord(0, 0, 128), -1, true);
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  openvdb::io::File(path("a.vdb").string()).write({grid});
+  const Volume volume = read_volume(path("a.vdb"));
+  EXPECT_EQ(volume.grid.at({32 + 127, 32 + 127, 32 + 127}), 1);
+  EXPECT_EQ(volume.grid.at({32 + 7, 32 + 7, 32 + 135}), 1);
+  EXPECT_EQ(volume.grid.at({32 + 8, 32 + 7, 32 + 135}), -1);
+}
+
 /// "" or the sentence.
 std::string said(std::string_view bytes) {
   try {
