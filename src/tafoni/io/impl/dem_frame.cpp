@@ -10,8 +10,8 @@
 
 #include <gdal_alg.h>
 #include <gdalwarper.h>
-#include <unistd.h>
 
+#include "tafoni/io/inner/pixel_memory.h"
 #include "tafoni/math/angle.h"
 #include "tafoni/math/whole.h"
 
@@ -30,8 +30,6 @@ constexpr double scale_step = 100;
 /// Pixels, in coordinates without a system, that are likely degrees: from a metre to eleven kilometres. A
 /// metric grid as fine as that would be a table top, and one at most 5 units from zero may well be.
 constexpr double degrees_from = 1e-5, degrees_to = 0.1, degrees_beyond = 5;
-/// The share of the machine's memory that a raster may take, and the most pixels that ints count.
-constexpr double memory_share = 0.7, most_pixels = 2e9;
 /// Pixels by which the warper's interpolated places may be off: none that shows.
 constexpr double warp_error = 0.02;
 /// Bytes that the warper takes for itself.
@@ -335,13 +333,7 @@ Frame metric_frame(const DemSource& source, const std::array<int, 4>& window, co
 }
 
 void check_memory(double pixels, double copies, const std::string& name) {
-  const double memory =
-      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
-  const double needed = pixels * copies * sizeof(float);
-  if (pixels < most_pixels && needed < memory_share * memory) return;
-  fail(ErrorKind::usage,
-       "{}: {:.0f} million pixels need {:.0f} GB of memory; choose a window or a coarser resolution.", name,
-       pixels / 1e6, needed / 1e9);
+  inner::check_pixels(pixels, copies, name, "choose a window or a coarser resolution");
 }
 
 raster::Raster upright(raster::Grid<float>&& grid, const std::array<double, 6>& transform) {

@@ -130,7 +130,7 @@ RasterPtr make_elevations(const TerrainSection& words, const std::uint64_t& seed
   if (!words.window.empty())
     fail(ErrorKind::input, "{}: a volume is taken as a whole; leave out the window", words.source);
   raster::Raster made = volume
-                            ? heights_of(*readers.volume(*source))
+                            ? heights_of(*readers.volume(*source), words.source)
                             : terrain::find_generator(words.generator).generate(words.values, seed, progress);
   if (words.resolution > 0) made = raster::at_resolution(made, words.resolution, progress);
   return std::make_shared<raster::Raster>(std::move(made));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tafoni/core/parallel.h"
+#include "tafoni/io/inner/pixel_memory.h"
 #include "tafoni/io/volume_file.h"
 #include "tafoni/volume/scalar_grid.h"
 
@@ -14,6 +15,10 @@ namespace tafoni::scene::impl {
 namespace {
 
 using volume::ScalarGrid;
+
+/// Grids of heights that are alive together until there is a terrain: of the columns, of the pixels made of
+/// them, and two of the terrain's own.
+constexpr double grids_at_once = 4;
 
 /// Elevations of the highest surface along columns of samples, from the top down.
 class Tops {
@@ -71,10 +76,12 @@ class Tops {
 
 }  // namespace
 
-raster::Raster heights_of(const io::Volume& volume) {
+raster::Raster heights_of(const io::Volume& volume, std::string_view file) {
   const ScalarGrid& grid = volume.grid;
   const volume::GridFrame& frame = grid.frame();
   const Vec3i n = frame.size;
+  io::inner::check_pixels(1.0 * n.x * n.y, grids_at_once, file,
+                          "make the volume at a larger spacing or cut a part from it");
   raster::Grid<float> columns(n.x, n.y);
   const Vec3i chunks = grid.chunks();
   parallel_for(std::int64_t{chunks.x} * chunks.y, [&](std::int64_t index) {

@@ -275,10 +275,18 @@ TEST_F(VolumeScene, AtPutsTheMiddleOfItsBox) {
   EXPECT_LT(value({120, 100, 290}), -7);
 }
 
+TEST_F(VolumeScene, MoreColumnsThanFitAreRefused) {
+  volume::GridFrame frame;
+  frame.size = {54000, 54000, 2};
+  io::write_volume(path("wide.tvol"), {volume::ScalarGrid(frame, -1), {0, 0, 0}, {}});
+  EXPECT_THAT(failure([&] { build(volume_document(path("wide.tvol").string())); }),
+              HasSubstr("wide.tvol: 2916 million pixels need 47 GB of memory; make the volume at a larger"));
+}
+
 TEST_F(VolumeScene, ItsUpperSurfaceIsTheTerrain) {
   save_ball("ball.tvol");
   const io::Volume ball = io::read_volume(path("ball.tvol"));
-  const raster::Raster heights = impl::heights_of(ball);
+  const raster::Raster heights = impl::heights_of(ball, "ball.tvol");
   EXPECT_EQ(heights.width(), 48);
   int high = 0;
   for (int row = 0; row < heights.height(); ++row)
