@@ -45,6 +45,10 @@ constexpr double widest_map = 180;
 constexpr int gap_rows = 200;
 /// Pixels that are surveyed at once, and that are kept to look for terraces in: 16 MB of doubles.
 constexpr int survey_pixels = 1 << 21;
+/// Pixels that are surveyed at once where a row of blocks has more than those above: 128 MB of doubles.
+constexpr int most_survey_pixels = 1 << 24;
+/// Pixels that a survey decodes at most: some seconds. A mosaic of few bytes can claim a thousand times more.
+constexpr double most_surveyed = 1e9;
 
 std::array<int, 4> check_window(const impl::DemSource& source, const DemOptions& options) {
   if (source.width() < 2 || source.height() < 2)
@@ -304,24 +308,44 @@ class Reader {
   Dem dem_;
 };
 
+/// The strips of rows of which a survey reads all, or some that are spread evenly over the file.
+struct Strips {
+  explicit Strips(const impl::DemSource& source) : height(source.height()) {
+    const int width = source.width(), block = source.levels.front().block_height;
+    const int blocks = survey_pixels / width / block;
+    rows = std::clamp(blocks > 0 ? blocks * block : std::min(block, most_survey_pixels / width), 1, height);
+    all = (height - 1) / rows + 1;
+    // To read a part of a block decodes all of it.
+    const double decoded = 1.0 * width * std::max(rows, std::min(block, height));
+    const bool few = 1.0 * width * height <= most_surveyed;
+    count = few ? all : floor_to(std::clamp(most_surveyed / decoded, 1.0, 1.0 * all));
+  }
+  int first_row(int strip) const { return static_cast<int>(std::int64_t{strip} * all / count) * rows; }
+
+  int height, rows = 1, all = 1, count = 1;
+};
+
 /// Range, steps and jumps from one pass over a file's own pixels of so many metres.
 raster::Jumps survey(impl::DemSource& source, double pixel, DemInfo& info, Progress& progress) {
   const int width = source.width(), height = source.height();
-  const impl::Level& own = source.levels.front();
-  const int rows = std::clamp(survey_pixels / width / own.block_height * own.block_height, 1, height);
-  std::vector<double> strip(std::int64_t{width} * rows);
+  const Strips strips(source);
+  const bool some = strips.count < strips.all;
+  std::vector<double> strip(std::int64_t{width} * strips.rows);
   // Terraces show in any part of a file, so one strip's worth of rows spread over it is kept for them.
-  const int keep_every = std::max(1, static_cast<int>(std::int64_t{width} * height / survey_pixels));
+  const std::int64_t rows = some ? std::int64_t{strips.count} * strips.rows : height;
+  const int keep_every = std::max(1, static_cast<int>(width * rows / survey_pixels));
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   raster::Grid<float> sample(width, std::min(height, std::max(2, survey_pixels / width)), raster::no_data);
-  int kept = 0;
+  int kept = 0, seen = 0, next = 0;
   raster::JumpSearch jumps(jump_limit(pixel));
   std::vector<float> line(width);
-  progress.begin("survey", height, "rows");
-  for (int row = 0; row < height; row += rows) {
-    const int count = std::min(rows, height - row);
+  progress.begin("survey", rows, "rows");
+  for (int k = 0; k < strips.count; ++k) {
+    const int row = strips.first_row(k), count = std::min(strips.rows, height - row);
+    if (row > next) jumps.skip(row - next);
+    next = row + count;
     source.read(0, 0, row, width, count, strip.data());
-    for (int r = 0; r < count; ++r) {
+    for (int r = 0; r < count; ++r, ++seen) {
       const double* values = strip.data() + std::int64_t{r} * width;
       for (int col = 0; col < width; ++col) {
         if (std::isnan(values[col])) continue;
@@ -331,15 +355,21 @@ raster::Jumps survey(impl::DemSource& source, double pixel, DemInfo& info, Progr
       std::transform(values, values + width, line.begin(), [](double v) { return static_cast<float>(v); });
       jumps.add(line);
       // Rows are kept in pairs, as steps show between neighbours.
-      if ((row + r) / 2 % keep_every == 0 && kept < sample.height())
+      if (seen / 2 % keep_every == 0 && kept < sample.height())
         std::copy(line.begin(), line.end(), sample.row(kept++));
     }
     progress.advance(count);
   }
   progress.end();
+  if (some)
+    info.notes.push_back(
+        fmt::format("{:.3g} million pixels are too many to look at each: what is said of heights and missing "
+                    "data is judged from {} of {} rows, spread over the file.",
+                    1e-6 * width * height, seen, height));
   info.missing = share(source.report.missing, source.report.pixels);
   if (info.missing == 1)
-    fail(ErrorKind::input, "{} holds no elevations: every pixel is marked as missing.", source.name);
+    fail(ErrorKind::input, "{} holds no elevations: every pixel{} is marked as missing.", source.name,
+         some ? " that was looked at" : "");
   info.lowest = lowest;
   info.highest = highest;
   info.step = raster::detect_step(sample);

@@ -22,4 +22,9 @@ void JumpSearch::add(std::span<const float> row) {
   ++row_;
 }
 
+void JumpSearch::skip(int rows) {
+  above_.clear();
+  row_ += rows;
+}
+
 }  // namespace tafoni::raster

@@ -19,6 +19,8 @@ class JumpSearch {
  public:
   explicit JumpSearch(double limit) : limit_(static_cast<float>(limit)) {}
   void add(std::span<const float> row);
+  /// The next row does not lie beside the last, but so many rows further on.
+  void skip(int rows);
   const Jumps& jumps() const { return jumps_; }
 
  private:

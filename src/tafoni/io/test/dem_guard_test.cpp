@@ -56,6 +56,23 @@ TEST_F(DemGuard, MosaicsOfTilesBesideThemAreRead) {
   }
 }
 
+TEST_F(DemGuard, OfWideMosaicsSomeRowsAreLookedAt) {
+  // A terapixel, of which one tile of 64 pixels is there.
+  std::string text = mosaic("tiles/own.tif", "<NoDataValue>-9</NoDataValue>");
+  text.replace(0, text.find("><GeoTransform>"), R"(<VRTDataset rasterXSize="1000000" rasterYSize="1000000")");
+  const std::string whole = R"(<SrcRect xOff="0" yOff="0" xSize="8" ySize="8"/><DstRect )";
+  const auto placed = [&](const std::string& where) {
+    std::string out = text;
+    return out.insert(out.find("</SimpleSource>"), whole + where + "/>");
+  };
+  const DemInfo info = inspect_dem(put("wide.vrt", placed(R"(xOff="0" yOff="0" xSize="1000000" ySize="8")")));
+  EXPECT_GT(info.highest, 300);
+  EXPECT_GT(info.missing, 0.5);
+  EXPECT_THAT(info.notes, testing::Contains(HasSubstr("rows, spread over the file")));
+  const fs::path none = put("none.vrt", placed(R"(xOff="0" yOff="999992" xSize="1000000" ySize="8")"));
+  EXPECT_THAT(thrown_by([&] { inspect_dem(none); }).text, HasSubstr("every pixel that was looked at"));
+}
+
 TEST_F(DemGuard, MosaicsKeepToTheirFolder) {
   for (const std::string& source :
        {std::string("../other.tif"), (folder_.path / "other.tif").string(),

@@ -26,6 +26,17 @@ TEST(JumpSearch, CountsNeighboursAcrossEdges) {
   EXPECT_EQ(corner.row, 2);
 }
 
+TEST(JumpSearch, RowsThatAreSkippedAreNoNeighbours) {
+  JumpSearch search(100);
+  search.add(std::vector<float>{0, 0});
+  search.skip(3);
+  search.add(std::vector<float>{900, 900});
+  EXPECT_EQ(search.jumps().count, 0u);
+  search.add(std::vector<float>{900, 0});
+  EXPECT_EQ(search.jumps().count, 2u);
+  EXPECT_EQ(search.jumps().row, 5);
+}
+
 TEST(JumpSearch, SlopesAndMissingDataAreNone) {
   EXPECT_EQ(jumps_of({{0, 100, 200}, {100, 200, 300}}, 100).count, 0u);
   EXPECT_EQ(jumps_of({{0, NAN, 5000}, {0, NAN, 5000}}, 100).count, 0u);
