@@ -53,12 +53,16 @@ std::span<const BrushType* const> all_brushes();
 const BrushType& find_brush(std::string_view name);
 std::vector<ParamInfo> params_of_brush(const BrushType& brush, const Values& values);
 
+/// Throws Error{usage} for a stroke of more balls than any needs: a brush that makes many from few points
+/// asks before it makes them.
+void check_stroke_size(double balls);
+
 /// How far the points of a path are apart, in radii of the tube along it: its balls are then spaced by half a
 /// radius, whatever bends there are.
 inline constexpr double path_spacing = 0.2;
 
 /// A Catmull-Rom curve through `points`, or the points themselves joined by straight lines, as points no
-/// further than `spacing` metres apart.
+/// further than `spacing` metres apart. Throws Error{usage} for what check_stroke_size() refuses.
 std::vector<Vec3d> sample_path(std::span<const Vec3d> points, bool smooth, double spacing);
 
 template <class Radius>

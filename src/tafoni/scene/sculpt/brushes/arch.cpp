@@ -73,6 +73,7 @@ void opening(const Stroke& stroke, const Params& p, Dab& dab) {
     dab.tube(sample_path(ends, false, path_spacing * r), [r](double) { return r; });
   };
   const double reach = half - bore, top = p.height - bore;
+  check_stroke_size((1 + 2 * reach / bore) * std::max(p.height / bore, 1.0) * (1 + 2 * p.depth / bore));
   const int columns = reach > 0 ? 1 + ceil_to(2 * reach / bore) : 1;
   for (int i = 0; i < columns; ++i) {
     const double x = columns > 1 ? -reach + 2 * reach * i / (columns - 1) : 0;

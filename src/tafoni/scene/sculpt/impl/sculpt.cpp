@@ -59,8 +59,9 @@ struct CookedStroke {
   std::shared_ptr<const Stroke> stroke;  ///< keeps its address, a part of keys, its own
   std::map<CloudClass, std::vector<Item>> items;
   Box3d box;
-  Box3d painted;     ///< of a stroke that paints: what it reaches
-  bool far = false;  ///< some of it is farther off than a field reaches
+  Box3d painted;           ///< of a stroke that paints: what it reaches
+  bool far = false;        ///< some of it is farther off than a field reaches
+  std::uint64_t more = 0;  ///< primitives beyond one for each of its points
   Digest digest;
 };
 
@@ -134,6 +135,17 @@ std::vector<int> levels_of(std::span<const Slot> slots,
   return levels;
 }
 
+/// Lines of a few words each make hundreds of thousands of primitives; those of points that were given one by
+/// one are as many as their file is long, and not counted.
+void check_layer_size(std::uint64_t more) {
+  constexpr std::uint64_t most = 4'000'000;  // half a gigabyte
+  if (more > most)
+    fail(ErrorKind::usage,
+         "the strokes of a layer make at most {} million primitives, and here they make more; give fewer "
+         "strokes or a larger radius",
+         most / 1'000'000);
+}
+
 void cook_runs(SculptGroup& group, std::uint64_t seed) {
   std::vector<std::map<CloudClass, field::CloudBuilder>> builders;
   for (std::size_t place = 0; place < group.cooked.size(); ++place) {
@@ -168,6 +180,8 @@ std::shared_ptr<const CookedStroke> SculptCook::cook_stroke(const std::shared_pt
   if (brush.apply) {
     Cooking dab(*stroke, frame, *cooked);
     brush.apply(local, seed_of(*stroke, frame.seed), dab);
+    for (const auto& [kind, items] : cooked->items) cooked->more += items.size();
+    cooked->more -= std::min<std::uint64_t>(cooked->more, stroke->points.size());
   }
   return cooked;
 }
@@ -185,6 +199,8 @@ std::shared_ptr<const SculptGroup> SculptCook::cook_group(const std::vector<Slot
     } catch (const Error& error) {
       fail(error.kind(), "the stroke \"{}\": {}", shown_stroke(*slot.stroke), error.what());
     }
+    group->more += all.back()->more;
+    check_layer_size(group->more);
     group->cooked.push_back(slot.muted ? nullptr : all.back());
     group->digest.add(std::uint64_t{slot.muted}).add(all.back()->digest);
   }
@@ -197,9 +213,12 @@ Keyed<std::shared_ptr<const Sculpted>> SculptCook::cook(std::span<const Slot> sl
                                                         const SculptFrame& frame) {
   Digest digest = impl::digest_of(frame);
   auto out = std::make_shared<Sculpted>();
+  std::uint64_t more = 0;
   for (std::size_t first = 0; first < slots.size(); first += group_size) {
     const auto some = slots.subspan(first, std::min(group_size, slots.size() - first));
     out->groups.push_back(groups_({some.begin(), some.end()}, frame, strokes_).value);
+    more += out->groups.back()->more;
+    check_layer_size(more);
     digest.add(out->groups.back()->digest);
     for (const SculptRun& run : out->groups.back()->runs)
       out->node = after_run(out->node, run, frame.amplitude);

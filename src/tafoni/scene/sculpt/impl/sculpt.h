@@ -54,6 +54,7 @@ struct SculptGroup {
   std::vector<int> levels;                                  ///< by place; even where it carves
   std::vector<SculptRun> runs;                              ///< by level
   Digest digest;                                            ///< by what its strokes say
+  std::uint64_t more = 0;                                   ///< primitives beyond one for each point
 };
 
 struct Sculpted {

@@ -1,8 +1,9 @@
 #include "tafoni/scene/sculpt/brush.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include "tafoni/core/random.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/field/compiled.h"
 #include "tafoni/scene/sculpt/impl/sculpt.h"
 
@@ -94,6 +95,17 @@ TEST(Brush, ACaveCanBeWalkedThrough) {
     const Vec3d points[] = {{0, 0, 0}, {30, 10, 4}, {60, 0, 0}};
     for (const Vec3d p : sample_path(points, true, 0.5)) EXPECT_LT(cave(p), 0);
   }
+}
+
+TEST(Brush, StrokesOfTooManyBallsAreRefusedAtOnce) {
+  std::string far = "curve radius=0.1 at=0,0,0";
+  for (int i = 0; i < 1000; ++i) far += i % 2 ? "/0,0,0" : "/100000,0,0";
+  for (const std::string& line :
+       {far, std::string("arch radius=0.01 at=0,0,0/30,0,0 height=10000 depth=10000"),
+        std::string("arch at=-1e9,0,0/1e9,0,0"), std::string("arch at=-1e9,-1e9,0/1e9,1e9,0 height=10000")})
+    EXPECT_THAT(error_of([&] { Made{line}; }), ::testing::HasSubstr("balls, and at most 2 million are made"));
+  // A single point in the wrong place stops no build.
+  EXPECT_EQ(error_of([&] { Made{"curve at=0,0,0/1e9,0,0"}; }), "");
 }
 
 TEST(Brush, RoughnessIsNoBall) {
