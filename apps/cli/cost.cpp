@@ -57,7 +57,10 @@ Vec3i samples_of(const scene::BuiltScene& scene, const Work& work, Console& cons
 Cost cost_of(const scene::BuiltScene& scene, const Work& work, Console& console) {
   const MemoryUse use = memory_use();
   Cost cost;
-  cost.mesh = scene::predict(scene, work.tiles, console);
+  // Of a tall scene even the part that is looked at is too much where the whole is.
+  const bool too_tall = scene::is_tall(scene) && scene::least_prediction(scene).memory > free_memory();
+  cost.mesh =
+      too_tall ? scene::least_prediction(scene, work.tiles) : scene::predict(scene, work.tiles, console);
   if (!work.volumes.empty()) {
     const Vec3i n = cost.samples = samples_of(scene, work, console);
     // Two triangles a cell of the surface; what is within the band of it is stored sample by sample.
@@ -83,10 +86,12 @@ void print_cost(const scene::BuiltScene& scene, const Work& work, Console& conso
     console.result(json_text(json));
     return;
   }
+  const std::string judged =
+      p.share > 0 ? fmt::format("{:.3g} % of the terrain", 100 * p.share) : "its size alone, and at least";
   std::string out = fmt::format(
-      "at a voxel of {:g} m, judged from {:.3g} % of the terrain:\n"
+      "at a voxel of {:g} m, judged from {}:\n"
       "triangles  about {}\nmemory     about {}, {} are free\n",
-      p.voxel, 100 * p.share, with_commas(p.triangles), as_bytes(cost.memory), as_bytes(free_memory()));
+      p.voxel, judged, with_commas(p.triangles), as_bytes(cost.memory), as_bytes(free_memory()));
   if (work.volumes.empty() || !work.meshes.empty())
     out += fmt::format("GLB file   about {}\n", as_bytes(p.file_bytes));
   if (cost.volume_bytes > 0)

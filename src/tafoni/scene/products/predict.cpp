@@ -31,6 +31,8 @@ constexpr double floor = 0.1;
 // Bytes a triangle before it is simplified, as measured: of the pieces, the mesh gathered from them, and its
 // colours.
 constexpr double mesh_bytes = 78;
+// Of the walls about a small terrain that is left where the lattice cuts its corners.
+constexpr double wall_share = 0.9;
 constexpr std::uint64_t vertex_bytes = 12 + 12 + 4, triangle_bytes = 12;
 }  // namespace prediction
 
@@ -186,15 +188,33 @@ Prediction prediction_of(const BuiltScene& scene, const Counts& counts, int tile
   return p;
 }
 
+/// A flat surface cuts each column of cells once, which makes two triangles; a base does so again.
+double level_triangles(const BuiltScene& scene) {
+  const Vec3d size = scene.terrain.box.size();
+  return (scene.boundary() == surface::Boundary::solid ? 4 : 2) * size.x * size.y /
+         (scene.voxel * scene.voxel);
+}
+
+/// Of the walls, from the lowest ground down to the base; where they meet, corners are cut.
+double wall_triangles(const BuiltScene& scene) {
+  if (scene.boundary() != surface::Boundary::solid) return 0;
+  const Vec3d size = scene.terrain.box.size();
+  const double height = scene.settings.influence + scene.document.terrain.depth;
+  return prediction::wall_share * 2 * 2 * (size.x + size.y) * height / (scene.voxel * scene.voxel);
+}
+
 }  // namespace
 
 Prediction least_prediction(const BuiltScene& scene, int tiles) {
-  // A flat surface cuts each column of cells once, which makes two triangles; a base does so again.
-  const Vec3d size = scene.terrain.box.size();
-  const double columns = size.x * size.y / (scene.voxel * scene.voxel);
-  const double triangles = (scene.boundary() == surface::Boundary::solid ? 4 : 2) * columns;
+  const double triangles = level_triangles(scene) + wall_triangles(scene);
   const bool simple = scene.document.scene.simplify > 0;
-  return prediction_of(scene, {triangles, simple ? 0 : triangles}, tiles);
+  Prediction out = prediction_of(scene, {triangles, simple ? 0 : triangles}, tiles);
+  out.share = 0;
+  return out;
+}
+
+bool is_tall(const BuiltScene& scene) {
+  return wall_triangles(scene) > level_triangles(scene);
 }
 
 Prediction predict(const BuiltScene& scene, int tiles, Progress& progress) {

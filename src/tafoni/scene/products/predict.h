@@ -20,7 +20,12 @@ struct Prediction {
 /// `tiles`: how many meshes along each side it is cut into.
 Prediction predict(const BuiltScene& scene, int tiles = 1, Progress& progress = silent());
 
-/// The least that predict() would say, found at once: what a flat terrain without any landform has.
+/// The least that predict() would say, found at once: what a flat terrain without any landform has, and the
+/// walls about it.
 Prediction least_prediction(const BuiltScene& scene, int tiles = 1);
+
+/// Whether there is more of walls than of all else in that: few columns of a tall scene hold much of it, so
+/// that predict() would mesh a good part.
+bool is_tall(const BuiltScene& scene);
 
 }  // namespace tafoni::scene

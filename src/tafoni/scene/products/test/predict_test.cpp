@@ -70,5 +70,21 @@ TEST(Prediction, OfWhatNobodyCanBuildTakesNoTime) {
   EXPECT_LT(predict(scene, 4).memory, p.memory / 15);
 }
 
+TEST(Prediction, OfATallSceneHasItsWalls) {
+  const std::string plane = "[scene]\nvoxel = 1\n[terrain]\ngenerator = \"plane\"\nwidth = 40\nheight = 40\n";
+  const BuiltScene flat = build(parse_scene(plane, "s.toml")),
+                   tall = build(parse_scene(plane + "depth = 400\n", "s.toml"));
+  EXPECT_FALSE(is_tall(flat));
+  EXPECT_TRUE(is_tall(tall));
+  for (const BuiltScene* scene : {&flat, &tall}) {
+    const auto least = static_cast<double>(least_prediction(*scene).triangles),
+               made = static_cast<double>(predict(*scene).triangles);
+    EXPECT_LT(least, made);
+    EXPECT_GT(least, 0.7 * made);
+  }
+  const BuiltScene tower = build(parse_scene(plane + "depth = 100000\n", "s.toml"));
+  EXPECT_GT(least_prediction(tower).triangles, 10000000u);
+}
+
 }  // namespace
 }  // namespace tafoni::scene
