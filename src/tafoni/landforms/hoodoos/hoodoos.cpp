@@ -2,6 +2,7 @@
 // grown becomes one cloud for each kind of primitive, creased by a warp and blended into the terrain.
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -29,6 +30,9 @@ enum class Stream : std::uint64_t { axioms = 0x71, unevenness, creases };
 /// Of the falloff beyond a solid: where g = 1/2, so that a solid of twice the terrain's amplitude ends there
 /// in free air.
 constexpr double half_falloff = 0.4542;
+
+/// Of all hoodoos, before they go to clouds: half a gigabyte.
+constexpr std::size_t most_solids = 4'000'000;
 
 // Chosen by eye. Radii are those of a middling trunk.
 constexpr double least_radius = 2.5, radius_in_pixels = 0.4;  // metres; slim enough to stand on one slope
@@ -116,8 +120,18 @@ class Hoodoos {
     const impl::Bedding rock(ground_, bedding_, p_.contrast);
     std::vector<std::vector<Terminal>> grown(feet.size());
     progress_.begin("hoodoos", feet.size(), "hoodoos");
+    // All of them together; whether they are too many does not depend on which is grown first.
+    std::atomic<std::size_t> solids = 0;
     parallel_for(
-        std::ssize(feet), [&](std::int64_t k) { grown[k] = rules_.grow(p_.axiom, axiom(feet[k], k), rock); },
+        std::ssize(feet),
+        [&](std::int64_t k) {
+          grown[k] = rules_.grow(p_.axiom, axiom(feet[k], k), rock);
+          if ((solids += grown[k].size()) > most_solids)
+            fail(ErrorKind::usage,
+                 "hoodoos: {} of them have more than {} million shapes together; give a smaller density or "
+                 "count, or rules that make fewer",
+                 feet.size(), most_solids / 1'000'000);
+        },
         progress_);
     progress_.end();
     return finish(feet, grown);

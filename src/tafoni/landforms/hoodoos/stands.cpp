@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tafoni/core/error.h"
 #include "tafoni/core/parallel.h"
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/site/spatial_hash.h"
@@ -40,6 +41,8 @@ constexpr double river_from = 0.6;                    // of the distance to rive
 
 /// Darts thrown at each cell of the Poisson-disk grid; fewer on large terrains.
 constexpr std::int64_t fewest_rounds = 4, most_rounds = 24, most_darts = 4'000'000;
+/// Cells of that grid, each with a dart: a third of a gigabyte.
+constexpr double most_cells = 1e7;
 
 float nearest(const raster::Grid<float>& grid, double col, double row) {
   return grid.at(std::clamp(round_to(col), 0, grid.width() - 1),
@@ -131,6 +134,14 @@ std::vector<Vec3d> Stands::places(const std::vector<Vec3d>& taken) const {
   const Box3d& box = ground_.box();
   if (box.empty()) return {};
   const double cell = settings_.spacing * 0.7071;  // its diagonal is just shorter than the spacing
+  const double cells = (box.hi.x - box.lo.x) / cell * ((box.hi.y - box.lo.y) / cell);
+  if (!(cells <= most_cells))
+    fail(ErrorKind::usage,
+         "hoodoos: a spacing of {:g} m over {:.0f} by {:.0f} m leaves room for more than {:.0f} million; "
+         "give a "
+         "spacing of {:.2g} m or more",
+         settings_.spacing, box.hi.x - box.lo.x, box.hi.y - box.lo.y, most_cells / 1e6,
+         1.05 * settings_.spacing * std::sqrt(cells / most_cells));
   const auto columns = ceil_to<std::int64_t>((box.hi.x - box.lo.x) / cell);
   const auto rows = ceil_to<std::int64_t>((box.hi.y - box.lo.y) / cell);
   const std::int64_t rounds = std::clamp(most_darts / (columns * rows), fewest_rounds, most_rounds);

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <queue>
 
+#include "tafoni/core/error.h"
 #include "tafoni/core/random.h"
 #include "tafoni/landforms/site/spatial_hash.h"
 #include "tafoni/math/angle.h"
@@ -28,6 +29,9 @@ constexpr double spring_covers = 1.2;  // covers behind a spring at which its wa
 constexpr double near_spring = 1.2;    // from there a way goes straight to its spring
 constexpr double straightness = 0.33;  // weight of the detour against the rock on the way to a spring
 constexpr int most_spring_steps = 10000;  // a way that circles in its rock for longer is given up
+
+/// Nodes, and what waits in the queue to become one: half a gigabyte.
+constexpr std::size_t most_places = 3'000'000;
 
 class Percolator {
  public:
@@ -51,6 +55,12 @@ class Percolator {
       auto& carved = carved_of_[next.start];
       const bool is_seed = next.parent < 0;
       if (!is_seed && (next.rho >= s_.resistance || carved >= space_.points_per_seed)) continue;
+      if (node_of_.size() > most_places)
+        fail(ErrorKind::usage,
+             "karst: the passages lead to more than {} million places a spacing of {:g} m apart; give a "
+             "larger "
+             "spacing or a smaller passage",
+             most_places / 1'000'000, space_.spacing);
       ++carved;
       progress_.advance();
       const std::int32_t node = add({next.position, next.parent, next.start, next.rho});

@@ -5,6 +5,7 @@
 #include "tafoni/landforms/site/surface.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <span>
@@ -30,9 +31,10 @@ struct Sample {
   std::uint64_t priority;
 };
 
-constexpr int newton_steps = 4;      ///< a candidate that has not arrived by then is given up
-constexpr double arrived_at = 0.01;  ///< spacings from the surface that count as on it
-constexpr double stray = 3;          ///< a sample lies at most this many cells from the cell it was drawn in
+constexpr int newton_steps = 4;                   ///< a candidate that has not arrived by then is given up
+constexpr double arrived_at = 0.01;               ///< spacings from the surface that count as on it
+constexpr std::size_t most_samples = 10'000'000;  ///< a gigabyte
+constexpr double stray = 3;  ///< a sample lies at most this many cells from the cell it was drawn in
 
 /// Finds all candidates of one column of chunks.
 class ColumnSampler {
@@ -247,6 +249,13 @@ class DartBoard {
       }
     }
     kept.shrink_to_fit();
+    // How many there are in the end does not depend on which column comes first.
+    if ((all_ += kept.size()) > most_samples)
+      fail(
+          ErrorKind::usage,
+          "a spacing of {:g} m gives more than {} million places on a region of {:.0f} by {:.0f} m; choose a "
+          "larger one",
+          settings_.spacing, most_samples / 1'000'000, settings_.box.size().x, settings_.box.size().y);
   }
 
   /// Adds what neighbours have accepted within reach of the column's candidates, which may lie two cells
@@ -286,6 +295,7 @@ class DartBoard {
   double voxel_;
   Pair first_, size_;
   std::vector<std::vector<Sample>> kept_;  ///< by column
+  std::atomic<std::size_t> all_ = 0;       ///< of these
 };
 
 }  // namespace

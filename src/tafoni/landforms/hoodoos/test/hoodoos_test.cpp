@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tafoni/core/error.h"
+#include "tafoni/core/test/errors.h"
 #include "tafoni/landforms/test/site.h"
 #include "tafoni/math/counts.h"
 #include "tafoni/math/draw.h"
@@ -192,6 +193,23 @@ TEST(Hoodoos, AWrongRuleIsOneSentence) {
   EXPECT_EQ(error({{"axiom", "Hodoo"}}),
             "hoodoos: no rule has the symbol \"Hodoo\"; did you mean \"Hoodoo\"?");
   EXPECT_THAT(error({{"height", std::vector<double>{9, 3}}}), testing::HasSubstr("height"));
+}
+
+TEST(Hoodoos, TooManyAreRefusedBeforeTheyTakeTheMemory) {
+  Coast coast = plain([](Vec3d) { return 0.5; });
+  for (const double spacing : {1e-12, 1e-3})
+    EXPECT_THAT(error_of([&] {
+                  grow(coast.site, {{"spacing", spacing}});
+                }),
+                testing::HasSubstr("leaves room for more than 10 million; give a spacing of"));
+  // 19,000 shapes each.
+  Values values = points_only;
+  values["axiom"] = "A";
+  values["rule"] = Rows{{{"symbol", "A"}, {"weight", "1"}, {"make", "B(repeat = 19)"}},
+                        {{"symbol", "B"}, {"weight", "1"}, {"make", "sphere(radius = 1, repeat = 999)"}}};
+  while (coast.site.points.size() < 300) coast.site.points.push_back(coast.site.points[0]);
+  EXPECT_THAT(error_of([&] { grow(coast.site, values); }),
+              testing::HasSubstr("300 of them have more than 4 million shapes together"));
 }
 
 /// Lattice points of rock in a box that no path of rock joins to the box's lowest layer.
