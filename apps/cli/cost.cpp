@@ -17,6 +17,8 @@ namespace {
 
 // Bytes a triangle while a picture of it is made, as measured.
 constexpr double picture_bytes = 105;
+// Bytes a pixel while a picture is made: of its light, what guides the removal of grain, and the image.
+constexpr double pixel_bytes = 80;
 // Bytes of a volume in memory for each within its band, as measured.
 constexpr double chunk_share = 4;
 // A build is looked at closely from this part of what is free: no scene has so many times the surface of a
@@ -37,7 +39,8 @@ struct Cost {
 std::uint64_t memory_of(const Work& work, const Cost& cost, const MemoryUse& scene) {
   double more = 0;
   if (work.meshed) more = static_cast<double>(cost.mesh.memory);
-  if (work.picture) more += picture_bytes * static_cast<double>(cost.mesh.triangles);
+  if (work.picture)
+    more += picture_bytes * static_cast<double>(cost.mesh.triangles) + pixel_bytes * work.pixels;
   // A volume is held by chunks, of which those near the surface hold more than the band.
   const double all = 1.0 * cost.samples.x * cost.samples.y * cost.samples.z * (work.half ? 2 : 4);
   more = std::max(more, std::min(all, chunk_share * static_cast<double>(cost.volume_bytes)));
@@ -57,10 +60,12 @@ Vec3i samples_of(const scene::BuiltScene& scene, const Work& work, Console& cons
 Cost cost_of(const scene::BuiltScene& scene, const Work& work, Console& console) {
   const MemoryUse use = memory_use();
   Cost cost;
-  // Of a tall scene even the part that is looked at is too much where the whole is.
-  const bool too_tall = scene::is_tall(scene) && scene::least_prediction(scene).memory > free_memory();
+  // Where the whole cannot fit by far, nor that of a tall scene, even the part that is looked at takes long.
+  const auto least = static_cast<double>(scene::least_prediction(scene).memory),
+             most = static_cast<double>(free_memory());
+  const bool hopeless = near_share * least > most || (scene::is_tall(scene) && least > most);
   cost.mesh =
-      too_tall ? scene::least_prediction(scene, work.tiles) : scene::predict(scene, work.tiles, console);
+      hopeless ? scene::least_prediction(scene, work.tiles) : scene::predict(scene, work.tiles, console);
   if (!work.volumes.empty()) {
     const Vec3i n = cost.samples = samples_of(scene, work, console);
     // Two triangles a cell of the surface; what is within the band of it is stored sample by sample.
@@ -109,7 +114,8 @@ void check_cost(const scene::BuiltScene& scene, const Work& work, Console& conso
     return static_cast<std::uint64_t>(near_share * static_cast<double>(bytes));
   };
   const scene::Prediction least = scene::least_prediction(scene, work.tiles);
-  if (least.memory < part(memory) && least.file_bytes < part(disk)) return;
+  const auto film = static_cast<std::uint64_t>(pixel_bytes * work.pixels);
+  if (least.memory + film < part(memory) && least.file_bytes < part(disk)) return;
   const MemoryUse use = memory_use();
   const Cost cost = cost_of(scene, work, console);
   if (cost.memory > use.now && cost.memory - use.now > memory)
@@ -125,6 +131,15 @@ void check_cost(const scene::BuiltScene& scene, const Work& work, Console& conso
         "the build writes about {}, and {} of the disk are free; use a larger --voxel or a smaller --window, "
         "or --force it",
         as_bytes(bytes), as_bytes(disk));
+}
+
+void check_picture(double pixels) {
+  const auto bytes = static_cast<std::uint64_t>(pixel_bytes * pixels);
+  const std::uint64_t memory = free_memory();
+  if (bytes > memory)
+    fail(ErrorKind::usage,
+         "the picture takes about {} of memory, and {} are free; use a smaller --size, or --force it",
+         as_bytes(bytes), as_bytes(memory));
 }
 
 }  // namespace tafoni::cli

@@ -15,6 +15,7 @@ struct Work {
   std::vector<std::string> meshes, volumes;  ///< files
   int tiles = 1;                             ///< along each side
   bool meshed = true, picture = false;
+  double pixels = 0;                    ///< of the picture
   double band = 0;                      ///< of volumes, metres
   bool half = false, distance = false;  ///< of volumes: their precision, and whether they hold distances
 };
@@ -25,5 +26,8 @@ void print_cost(const scene::BuiltScene& scene, const Work& work, Console& conso
 /// Throws Error{usage} for what cannot fit: more memory than is free, or more than ten times the free disk.
 /// Looks closer only where that is near; what is far from it costs nothing.
 void check_cost(const scene::BuiltScene& scene, const Work& work, Console& console);
+
+/// The same for a picture of so many pixels alone, whatever it shows.
+void check_picture(double pixels);
 
 }  // namespace tafoni::cli

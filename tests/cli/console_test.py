@@ -152,11 +152,20 @@ class Cost(Case):
     def test_what_cannot_fit_is_not_begun(self):
         self.hill(n=300, pixel=5.0)
         for args in (["build", "hill.asc", "--voxel", "0.01", "-o", "a.glb"], ["render", "hill.asc", "--voxel", "0.01", "-o", "a.png"],
+                     ["render", "hill.asc", "--geology", "--voxel", "0.01", "-o", "a.png"],
                      ["build", "hill.asc", "--voxel", "0.01", "-o", "a.tvol"]):
             self.fails(2, "are free; use a larger --voxel", *args)
         predicted = json.loads(self.passes("build", "hill.asc", "--voxel", "0.01", "--dry-run", "--json"))
         self.assertGreater(predicted["memory_bytes"], 1e12)
+        tower = ["build", "hill.asc", "--voxel", "0.1", "--set", "terrain.depth=100000"]
+        self.fails(2, "are free; use a larger --voxel", *tower, "-o", "a.glb")
+        self.assertIn("judged from its size alone", self.passes(*tower, "--dry-run"))
         self.assertEqual(self.files(), ["hill.asc"])
+
+    def test_a_volume_that_cannot_fit_is_not_measured(self):
+        self.hill(n=300, pixel=5.0)
+        self.passes("build", "hill.asc", "--voxel", "10", "-o", "a.tvol")
+        self.fails(2, "are free; use a larger --voxel", "metrics", "a.tvol", "--voxel", "0.01")
 
     def test_limits_of_the_process_count(self):
         self.hill(n=300, pixel=5.0)
@@ -167,3 +176,7 @@ class Cost(Case):
                               capture_output=True, text=True, preexec_fn=limit, timeout=120)
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertIn("of memory, and", done.stderr)
+        done = subprocess.run([TAFONI, "render", "hill.asc", "--size", "8192,8192", "--threads", "1", "-o", "a.png"], cwd=self.dir,
+                              capture_output=True, text=True, preexec_fn=limit, timeout=120)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("use a smaller --size", done.stderr)

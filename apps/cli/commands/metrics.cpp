@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "command.h"
+#include "cost.h"
 #include "scene_run.h"
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -65,7 +66,7 @@ std::string text_of(const mesh::MeshMetrics& m) {
 
 struct Options {
   std::string file, details, layer;
-  bool sgm = false, csv = false;
+  bool sgm = false, csv = false, force = false;
   std::optional<double> cube;
   SceneOptions scene;
 };
@@ -160,7 +161,9 @@ mesh::Mesh mesh_of(const Options& o, Console& console) {
   if (is_volume(o.file)) {
     scene::Document document = open_document(o.file);
     o.scene.apply(document);
-    return scene::mesh_scene(scene::build(document, console), console).mesh;
+    const scene::BuiltScene scene = scene::build(document, console);
+    if (!o.force) check_cost(scene, {}, console);
+    return scene::mesh_scene(scene, console).mesh;
   }
   if (is_scene_file(o.file))
     fail(ErrorKind::usage, "{}: only --sgm measures a scene; give a mesh that `tafoni build` made of it",
@@ -217,6 +220,7 @@ std::function<int(Console&)> setup(Args& args) {
   args.text("--layer", "NAME", o->layer, "Name of the grammar-cave layer to measure; default: the first");
   args.flag("--csv", o->csv, "Prints a table with a row for each mesh detail");
   o->scene.declare(args);
+  args.flag("--force", o->force, "Measures also what seems to take more memory than there is");
   return [o](Console& console) {
     if (o->sgm) return run_sgm(*o, console);
     if (o->csv || o->cube || !o->details.empty() || !o->layer.empty())

@@ -76,10 +76,21 @@ render::Camera camera_of(const Render& r, const render::Scene& scene,
 // looks down so little that the cut is hardly foreshortened. The sun lies along the cut and models its edges.
 constexpr double cut_azimuth = -115, cut_elevation = 22, cut_sun_azimuth = 48;
 
+/// Asks whether the picture of a scene fits.
+void check_scene_cost(const Render& r, const scene::BuiltScene& scene, const render::RenderSettings& settings,
+                      Console& console) {
+  if (r.force) return;
+  Work work;
+  work.picture = true;
+  work.pixels = 1.0 * settings.width * settings.height;
+  check_cost(scene, work, console);
+}
+
 /// The scene cut open, looked at squarely enough that the cut shows undistorted.
 mesh::Mesh geology_of(const Render& r, const scene::Document& document, render::RenderSettings& settings,
                       Console& console) {
   const scene::BuiltScene scene = scene::build(document, console);
+  check_scene_cost(r, scene, settings, console);
   scene::Cut cut = scene::middle_cut(scene);
   if (!r.cut.empty()) cut = {{r.cut[0], r.cut[1]}, {r.cut[2], r.cut[3]}};
   const Vec2d along = cut.to - cut.from;
@@ -105,9 +116,7 @@ mesh::Mesh mesh_of(const Render& r, render::RenderSettings& settings, Console& c
   if (r.geology) return geology_of(r, document, settings, console);
   if (!settings.sea_level) settings.sea_level = scene::sea_level(document);
   const scene::BuiltScene scene = scene::build(document, console);
-  Work work;
-  work.picture = true;
-  if (!r.force) check_cost(scene, work, console);
+  check_scene_cost(r, scene, settings, console);
   return scene::mesh_scene(scene, console).mesh;
 }
 
@@ -119,6 +128,7 @@ int run(const Render& r, Console& console) {
   if (!r.camera.empty() && (r.azimuth || r.elevation))
     fail(ErrorKind::usage, "--camera says where to look from; leave out --azimuth and --elevation");
   if (r.geology && r.is_inside) fail(ErrorKind::usage, "--geology and --inside exclude each other");
+  if (!r.force) check_picture(1.0 * settings.width * settings.height);
   double start = now();
   const auto lap = [&start] { return now() - std::exchange(start, now()); };
   const mesh::Mesh mesh = mesh_of(r, settings, console);
