@@ -3,17 +3,13 @@
 # a command needs no -O3. The preset `debug` compiles every source alone, with -Wshadow.
 
 # Of which modules the Release build optimises less than -O3. Results do not depend on it: floating point is
-# neither reordered nor fused. What reads, writes and reports need not be fast, nor what plans a landform once;
-# with fields and surfaces at -O2, whose kernels are written in vectors, no example took longer to build, while a
-# hive took a sixth longer with volumes at -O2.
+# neither reordered nor fused. What reads, writes and reports need not be fast, nor what plans a landform once. A
+# hive took a sixth longer with volumes at -O2, a canyon a tenth longer with fields, surfaces and terrain at -O2 or
+# -O1, which saves a few seconds of compiling.
 set(level_of_core -O1)
-set(level_of_field -O3)
-set(level_of_surface -O3)
-set(level_of_terrain -O3)
 set(level_of_geology -O2)
 set(level_of_grammar -O2)
 set(level_of_landforms -Og)
-set(level_of_mesh -O3)
 set(level_of_render -O2)
 set(level_of_io -O1)
 set(level_of_scene -Og)
