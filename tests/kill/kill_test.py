@@ -61,9 +61,9 @@ class Kill(Case):
         self.hill(n=12)
         (self.dir / "s.toml").write_text("[scene]\nvoxel = 6\nmin_fragment = 0\n[terrain]\nsource = 'hill.asc'\n")
 
-    def strokes(self, *args):
+    def strokes(self, *args, scene="s.toml"):
         return [s["stroke"].split("at=")[1].split(",")[0]
-                for s in json.loads(self.passes("sculpt", "s.toml", "--list", "--json", *args))]
+                for s in json.loads(self.passes("sculpt", scene, "--list", "--json", *args))]
 
     def sculpt(self, before):
         places = ("hill.asc", "s.toml", "s.sculpt.journal")
@@ -93,6 +93,22 @@ class Kill(Case):
             self.passes("sculpt", "c.toml", "--stroke", "sphere at=9,9,48")
             self.assertEqual(self.strokes(), ["1"], self.at)
             self.expect_files(*places)
+
+    def test_a_copy_saved_again(self):
+        self.scene()
+        save = ("build", "s.toml", "--save-scene", "c.toml", "--threads", "1")
+        self.passes("sculpt", "s.toml", "--stroke", "sphere at=1,1,48")
+        self.passes(*save)
+        self.passes("sculpt", "s.toml", "--stroke", "sphere at=2,2,48")
+        places = ["c.toml", "hill.asc", "s.sculpt.journal", "s.toml"]
+        for _ in self.kills("c.toml", TAFONI, *save):
+            self.note_left(*places, "c.sculpt.journal", "c.sculpt-2.journal")
+            self.assertIn(self.strokes(scene="c.toml"), (["1"], ["1", "2"]), self.at)
+            self.passes(*save)
+            self.assertEqual(self.strokes(scene="c.toml"), ["1", "2"], self.at)
+            journals = [name for name in self.files() if name.startswith("c.sculpt")]
+            self.assertEqual(len(journals), 1, self.at)
+            self.expect_files(*places, *journals)
 
     def build(self):
         outputs = ("a.glb", "b.ply", "r.json")

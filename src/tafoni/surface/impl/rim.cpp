@@ -38,7 +38,7 @@ void for_each_on_rim(const Piece& piece, const Body& body) {
   for (const CornerVertex& v : piece.corners) body(at++, v.vertex, v.edge);
 }
 
-/// mesh::inner::add_facets() by whole vectors, bit for bit.
+/// Sets each vertex's sum of facet vectors (mesh/inner/facets.h), a vector at once.
 void add_facets(const Piece& piece, SettleScratch& out) {
   if (out.size() < piece.positions.size()) out.resize(piece.positions.size());
   for (std::size_t v = 0; v < piece.positions.size(); ++v) {
