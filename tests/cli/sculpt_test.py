@@ -30,6 +30,9 @@ class Sculpt(Case):
         self.assertEqual([s["id"] for s in self.strokes()], [1, 3])
         self.assertEqual(len(json.loads(self.passes("sculpt", "s.toml", "--all", "--json"))), 3)
         self.assertEqual([s["id"] for s in self.strokes("--go-to", "2")], [1, 2])
+        (self.dir / "hill.asc").rename(self.dir / "away.asc")
+        self.assertEqual(len(self.strokes()), 2, "to list them no ground is read")
+        (self.dir / "away.asc").rename(self.dir / "hill.asc")
         for args, said in ((("--mute", "2"), "muted  stroke 2, as it was before"), (("--unmute", "2"), "unmuted  stroke 2\n"),
                            (("--go-to", "3"), "applied  2 strokes"), (("--go-to", "2"), "applied  2 strokes"),
                            (("--write", "w.txt"), "wrote  2 strokes to w.txt")):

@@ -258,7 +258,7 @@ void Session::stroke(std::size_t layer, std::span<const Stroke> strokes) {
 }
 
 void Session::check_strokes(std::span<const Stroke> strokes) {
-  state_->check(strokes);
+  if (!strokes.empty()) state_->check(strokes);
 }
 
 std::optional<fs::path> Session::missing_journal(std::size_t layer) const {
