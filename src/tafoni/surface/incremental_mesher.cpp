@@ -41,6 +41,7 @@ struct Chunk {
       shown;  ///< normals that agree with the triangles; on the rim, which neighbours share, the field's
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint32_t> edges;
+  std::vector<impl::FacetSum> rim;
   std::vector<std::uint64_t> signs;  ///< solid bits of all samples, as impl::Kept has them
   std::uint64_t active[field::chunk_bricks] = {};
   std::uint64_t version = 0;
@@ -50,28 +51,28 @@ struct Chunk {
     const auto same = [](const auto& a, const auto& b) {
       return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
     };
-    return same(piece.positions, other.positions) && same(piece.triangles, other.triangles) &&
+    return same(piece.positions, other.positions) && piece.triangles == other.triangles &&
            same(piece.normals, other.normals);
   }
-  /// Copies what lies in the maker's memory.
-  void take(Piece&& made, double voxel) {
+  /// Copies what lies in the memory of the maker, whose last piece it is.
+  void take(Piece&& made, impl::PieceMaker& maker) {
     piece = std::move(made);
     const auto own = [](auto& span, auto& memory) {
       memory.assign(span.begin(), span.end());
       span = memory;
     };
     own(piece.positions, positions);
-    own(piece.normals, normals);
-    own(piece.triangles, triangles);
     own(piece.edges, edges);
+    own(piece.rim, rim);
+    triangles.clear();
+    triangles.reserve(piece.triangles.size());
+    piece.triangles.for_each([&](const auto& t) { triangles.push_back({t[0], t[1], t[2]}); });
+    piece.triangles = {triangles};
     parts_known = false;
-    shown = normals;
-    if (shown.empty()) return;
-    piece.normals = shown;
-    impl::SettleScratch scratch;
-    impl::settle_inside(piece, voxel, scratch);
+    normals.assign(piece.normals.begin(), piece.normals.end());
+    if (!normals.empty()) maker.settle(piece);
+    shown.assign(piece.normals.begin(), piece.normals.end());
     piece.normals = normals;
-    piece.rim = {};
   }
   void read_signs(const ChunkSamples& from, const BrickBox& box);
 };
@@ -113,7 +114,7 @@ struct Job {
 /// What one thread needs; its memory is used again from update to update.
 struct Worker {
   Worker(const CellSet& cells, const PolygonizeSettings& settings)
-      : maker(cells, settings.voxel, settings.normals, false) {}
+      : maker(cells, settings.voxel, {.normals = settings.normals, .facets = settings.normals}) {}
 
   void start(const field::CompiledField& field, double voxel) {
     source.emplace(field, voxel);
@@ -296,7 +297,7 @@ void IncrementalMesher::State::remake(Worker& worker, Job& job) {
   made.chunk = job.chunk;
   job.differs = !held.same_as(made);
   if (job.differs) {
-    held.take(std::move(made), settings.voxel);
+    held.take(std::move(made), worker.maker);
     held.version = version;
   }
   worker.maker.forget_pieces();
@@ -395,23 +396,19 @@ mesh::Mesh IncrementalMesher::assemble() {
       impl::find_parts(chunk.piece, scratch);
       chunk.parts_known = true;
     });
-  // Joining rewrites triangles and settles normals: it gets copies.
+  // Joining sums up rims and settles their normals: it gets copies.
   impl::Arena arena;
   std::vector<Piece> pieces;
   impl::Connectivity connectivity;
   for (Vec3i at : order) {
-    pieces.push_back(s.chunks.at(at)->piece);
+    const Chunk& chunk = *s.chunks.at(at);
+    pieces.push_back(chunk.piece);
     Piece& piece = pieces.back();
-    piece.triangles = arena.copy(piece.triangles.data(), piece.triangles.size());
-    piece.normals = arena.copy(piece.normals.data(), piece.normals.size());
+    piece.normals = arena.copy(chunk.shown.data(), chunk.shown.size());
+    piece.rim = arena.copy(chunk.rim.data(), chunk.rim.size());
     if (parts) connectivity.add(piece);
   }
   if (parts) connectivity.decide(s.settings.min_fragment_volume);
-  parallel_for(std::ssize(pieces), [&](std::int64_t p) {
-    if (pieces[p].normals.empty()) return;
-    impl::SettleScratch scratch;
-    impl::settle_inside(pieces[p], s.settings.voxel, scratch);
-  });
   double seconds = 0;
   return impl::assemble(pieces, s.settings.voxel, parts ? &connectivity : nullptr, impl::SeamSums(), &seconds,
                         &seconds);

@@ -20,18 +20,18 @@ using impl::ChunkColumns;
 using impl::Connectivity;
 using impl::Piece;
 using impl::PieceMaker;
+using impl::PieceParts;
 using impl::SeamSums;
 
 /// What one thread needs to work on a column of chunks.
 struct PolygonizeWorker {
-  PolygonizeWorker(std::unique_ptr<SampleSource> s, const CellSet& cells, double voxel, bool normals,
-                   bool parts)
-      : source(std::move(s)), maker(cells, voxel, normals, parts) {}
+  PolygonizeWorker(std::unique_ptr<SampleSource> s, const CellSet& cells, double voxel,
+                   const PieceParts& wanted)
+      : source(std::move(s)), maker(cells, voxel, wanted) {}
 
   std::unique_ptr<SampleSource> source;
   PieceMaker maker;
   field::ChunkSamples samples;
-  impl::SettleScratch scratch;
   PolygonizeStats stats;
 };
 
@@ -112,7 +112,8 @@ std::unique_ptr<PolygonizeWorker> PolygonizeJob::take(bool normals, bool parts) 
       return worker;
     }
   }
-  return std::make_unique<PolygonizeWorker>(factory_(), cells_, settings_.voxel, normals, parts);
+  const PieceParts wanted{.normals = normals, .facets = settings_.normals, .parts = parts};
+  return std::make_unique<PolygonizeWorker>(factory_(), cells_, settings_.voxel, wanted);
 }
 
 void PolygonizeJob::column(PolygonizeWorker& worker, int a, int b, std::vector<Piece>& out) {
@@ -127,11 +128,7 @@ void PolygonizeJob::column(PolygonizeWorker& worker, int a, int b, std::vector<P
     worker.stats.chunks += 1;
     worker.stats.cells += piece.cut_cells;
     // Beyond a tile's seam the triangles count, whose vertices get their normals later.
-    if (settings_.normals) {
-      const double made_at = now();
-      impl::settle_inside(piece, settings_.voxel, worker.scratch);
-      worker.maker.normals_seconds += now() - made_at;
-    }
+    if (settings_.normals) worker.maker.settle(piece);
     out.push_back(std::move(piece));
   }
   const double made = worker.maker.triangles_seconds + worker.maker.normals_seconds - before;

@@ -11,14 +11,19 @@ namespace tafoni::mesh::inner {
 /// limit of 0, 0.029 % with 0.5 and 0.006 % with 0.8, which replaces 2.6 % of the normals.
 inline constexpr float least_agreement = 0.8f;
 
-/// `normal`, or the direction of `sum` where the two disagree; `sum` is of the facet vectors (along the
-/// outward normal, as long as twice the area) of the triangles around the vertex. A sum of zero disagrees
-/// with nothing.
+/// Whether the two are farther apart than that; of one vertex, or of several at once (T a vector of floats).
+/// `sum` is of the facet vectors (along the outward normal, as long as twice the area) of the triangles
+/// around the vertex. A sum of zero disagrees with nothing.
+template <class T>
+auto disagree(Vec3<T> normal, Vec3<T> sum) {
+  const T squared = dot(sum, sum), along = dot(normal, sum);
+  const auto near = (along > 0) & (along * along >= least_agreement * least_agreement * squared);
+  return (squared > 0) & (near == 0);
+}
+
+/// `normal`, or the direction of `sum` where the two disagree.
 inline Vec3f agreeing(Vec3f normal, Vec3f sum) {
-  const float squared = dot(sum, sum), along = dot(normal, sum);
-  if (!(squared > 0) || (along > 0 && along * along >= least_agreement * least_agreement * squared))
-    return normal;
-  return normalized(sum);
+  return disagree(normal, sum) ? normalized(sum) : normal;
 }
 
 }  // namespace tafoni::mesh::inner

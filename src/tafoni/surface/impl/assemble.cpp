@@ -66,6 +66,11 @@ void find_corner_repeats(const std::vector<Piece>& pieces, std::vector<std::vect
 /// The new index of every vertex of every piece.
 class Numbering {
  public:
+  /// Vertices [begin, end) of a piece.
+  struct Run {
+    std::uint32_t begin, end;
+  };
+
   explicit Numbering(const std::vector<Piece>& pieces) {
     for (const Piece& piece : pieces) {
       start_.push_back(total_);
@@ -74,6 +79,7 @@ class Numbering {
     numbers_.reset(new std::uint32_t[total_]);
     advise_large_pages(numbers_.get(), total_ * sizeof(std::uint32_t));
     first_.resize(pieces.size() + 1, 0);
+    runs_.resize(pieces.size());
   }
   std::uint32_t* of(std::size_t piece) { return numbers_.get() + start_[piece]; }
 
@@ -92,8 +98,15 @@ class Numbering {
         if (removed[piece.part_of(v)]) number[v] = gone;
     }
     std::uint32_t count = 0;
-    for (std::size_t v = 0; v < n; ++v)
-      if (number[v] != gone) number[v] = count++;
+    for (std::uint32_t v = 0; v < n;) {
+      if (number[v] == gone) {
+        ++v;
+        continue;
+      }
+      const std::uint32_t begin = v;
+      while (v < n && number[v] != gone) number[v++] = count++;
+      runs_[p].push_back({begin, v});
+    }
     first_[p + 1] = count;
   }
   /// Turns the counts into the index of each piece's first vertex.
@@ -110,9 +123,8 @@ class Numbering {
     for (std::size_t v = 0; v < piece.positions.size(); ++v)
       if (number[v] != gone) number[v] += static_cast<std::uint32_t>(first_[p]);
   }
-  bool own(std::size_t p, std::uint32_t number) const {
-    return number >= first_[p] && number < first_[p + 1];
-  }
+  /// The piece's own vertices.
+  std::span<const Run> own(std::size_t p) const { return runs_[p]; }
   std::uint64_t total() const { return first_.back(); }
 
  private:
@@ -120,41 +132,42 @@ class Numbering {
   std::vector<std::size_t> start_;
   std::unique_ptr<std::uint32_t[]> numbers_;
   std::vector<std::uint64_t> first_;
+  std::vector<std::vector<Run>> runs_;
 };
 
-/// Rewrites a piece's triangles to new indices and drops those of removed parts.
-void renumber_triangles(Piece& piece, const std::uint32_t* number) {
-  std::size_t kept = 0;
-  for (const auto& t : piece.triangles)
-    if (number[t[0]] != gone) piece.triangles[kept++] = {number[t[0]], number[t[1]], number[t[2]]};
-  piece.triangles = piece.triangles.first(kept);
-}
-
 /// The pieces' own vertices, one after the other.
-void gather_vertices(const std::vector<Piece>& pieces, Numbering& numbering, std::span<Vec3f> Piece::*member,
-                     std::vector<Vec3f>& out) {
+void gather_vertices(const std::vector<Piece>& pieces, const Numbering& numbering,
+                     std::span<Vec3f> Piece::*member, std::vector<Vec3f>& out) {
   if (pieces.empty() || (pieces[0].*member).empty()) return;
   reserve_large(out, numbering.total());
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     const std::span<Vec3f> values = pieces[p].*member;
-    const std::uint32_t* const number = numbering.of(p);
-    for (std::size_t v = 0; v < values.size();) {
-      if (!numbering.own(p, number[v])) {
-        ++v;
-        continue;
-      }
-      const std::size_t begin = v;
-      while (v < values.size() && numbering.own(p, number[v])) ++v;
-      out.insert(out.end(), values.begin() + begin, values.begin() + v);
-    }
+    for (const auto& [begin, end] : numbering.own(p))
+      out.insert(out.end(), values.begin() + begin, values.begin() + end);
   }
 }
 
-void gather_triangles(const std::vector<Piece>& pieces, std::vector<std::array<std::uint32_t, 3>>& out) {
+/// The pieces' triangles by their new indices, without those of removed parts.
+void gather_triangles(const std::vector<Piece>& pieces, Numbering& numbering,
+                      std::vector<std::array<std::uint32_t, 3>>& out) {
   std::size_t total = 0;
   for (const Piece& piece : pieces) total += piece.triangles.size();
   reserve_large(out, total);
-  for (const Piece& piece : pieces) out.insert(out.end(), piece.triangles.begin(), piece.triangles.end());
+  // Through the cache: push_back() would ask for room at each triangle, resize() would touch all memory
+  // before.
+  std::array<std::array<std::uint32_t, 3>, 1024> some;
+  for (std::size_t p = 0; p < pieces.size(); ++p) {
+    const std::uint32_t* const number = numbering.of(p);
+    const PieceTriangles& triangles = pieces[p].triangles;
+    for (std::size_t begin = 0; begin < triangles.size(); begin += some.size()) {
+      std::size_t count = 0;
+      triangles.for_each(begin, std::min(begin + some.size(), triangles.size()), [&](const auto& t) {
+        some[count] = {number[t[0]], number[t[1]], number[t[2]]};
+        count += number[t[0]] != gone;
+      });
+      out.insert(out.end(), some.begin(), some.begin() + count);
+    }
+  }
 }
 
 }  // namespace
@@ -187,12 +200,11 @@ mesh::Mesh assemble(std::vector<Piece>& pieces, double voxel, const Connectivity
   // An owner's vertex is never a repeat itself, so nothing read here is written here.
   each([&](std::size_t p) {
     for (const Repeat& r : repeats[p]) numbering.of(p)[r.vertex] = numbering.of(r.owner)[r.owner_vertex];
-    renumber_triangles(pieces[p], numbering.of(p));
   });
   const double middle = now();
   mesh::Mesh mesh;
   parallel_for(3, [&](std::int64_t array) {
-    if (array == 0) gather_triangles(pieces, mesh.triangles);
+    if (array == 0) gather_triangles(pieces, numbering, mesh.triangles);
     if (array == 1) gather_vertices(pieces, numbering, &Piece::positions, mesh.positions);
     if (array == 2) gather_vertices(pieces, numbering, &Piece::normals, mesh.normals);
   });

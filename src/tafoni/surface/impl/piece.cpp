@@ -5,10 +5,12 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "tafoni/core/clock.h"
 #include "tafoni/core/error.h"
 #include "tafoni/mesh/inner/size32.h"
+#include "tafoni/surface/impl/rim.h"
 
 namespace tafoni::surface::impl {
 namespace {
@@ -23,7 +25,48 @@ std::uint64_t cells_of_bricks(std::uint64_t bricks) {
   return cells;
 }
 
+/// A field may be flat along its own zero set; up is as good as any other direction, on both sides of a seam.
+Vec3f to_normal(Vec3f gradient) {
+  const float l = length(gradient);
+  return l > 0 && std::isfinite(l) ? gradient * (-1.0f / l) : Vec3f{0, 0, 1};
+}
+
+void to_normals(std::span<Vec3f> g) {
+  std::size_t v = 0;
+  for (; v + 4 <= g.size(); v += 4) {
+    const Vec3<Four> four = load_vectors(&g[v]);
+    const Four l = sqrt(dot(four, four)), scale = -1.0f / l;
+    const auto usual = (l > 0) & (l <= std::numeric_limits<float>::max());
+    for (std::size_t k = 0; k < 4; ++k) g[v + k] = usual[k] ? g[v + k] * scale[k] : Vec3f{0, 0, 1};
+  }
+  for (; v < g.size(); ++v) g[v] = to_normal(g[v]);
+}
+
 }  // namespace
+
+PieceTriangles::PieceTriangles(std::span<const Wide> triangles, std::size_t vertices, Arena& arena) {
+  if (vertices > std::size_t{1} << 16) {
+    wide_ = arena.copy(triangles.data(), triangles.size());
+    return;
+  }
+  const auto narrow = arena.allocate<Narrow>(triangles.size());
+  const std::uint32_t* from = triangles.empty() ? nullptr : triangles.front().data();
+  std::uint16_t* const to = narrow.empty() ? nullptr : narrow.front().data();
+  for (std::size_t i = 0; i < 3 * triangles.size(); ++i) to[i] = static_cast<std::uint16_t>(from[i]);
+  narrow_ = narrow;
+}
+
+bool operator==(const PieceTriangles& a, const PieceTriangles& b) {
+  if (a.size() != b.size()) return false;
+  bool same = true;
+  std::size_t at = 0;
+  a.for_each([&](const auto& s) {
+    b.for_each(at, at + 1,
+               [&](const auto& t) { same = same && s[0] == t[0] && s[1] == t[1] && s[2] == t[2]; });
+    ++at;
+  });
+  return same;
+}
 
 bool PieceMaker::choose_cells(const field::ChunkSamples& samples) {
   bool any = false;
@@ -67,6 +110,7 @@ bool PieceMaker::make(const field::ChunkSamples& samples, SampleSource& source, 
   positions_.clear();
   points_.clear();
   indices_.clear();
+  facets_.clear();
   edges_.clear();
   fresh_.clear();
   normals_out_.clear();
@@ -80,12 +124,16 @@ bool PieceMaker::make(const field::ChunkSamples& samples, SampleSource& source, 
   const auto* p = reinterpret_cast<const Vec3f*>(positions_.data());
   out.positions = arena_->copy(p, count);
   const auto* t = reinterpret_cast<const std::array<std::uint32_t, 3>*>(indices_.data());
-  out.triangles = arena_->copy(t, indices_.size() / 3);
+  out.triangles = PieceTriangles({t, indices_.size() / 3}, count, *arena_);
   if (kept) out.edges = arena_->copy(edges_.data(), count);
-  if (parts_) find_parts(out, parents_);
+  if (wanted_.parts) find_parts(out, parents_);
   const double middle = now();
   triangles_seconds += middle - start;
-  if (normals_) find_normals(source, out);
+  if (wanted_.facets) {
+    out.rim = arena_->allocate<FacetSum>(rim_size(out));
+    note_rim(out, voxel_, facets_.data());
+  }
+  if (wanted_.normals) find_normals(source, out);
   normals_seconds += now() - middle;
   return true;
 }
@@ -96,10 +144,15 @@ void PieceMaker::vertices(int k, const PlaneOutput& out) {
   plane_.k = k;
   plane_.level = first_.z + k;
   positions_.reserve_extra(3 * (count + kernel_slack));
-  if (normals_) points_.reserve_extra(3 * (count + kernel_slack));
-  place(plane_, out.keys.data(), count, positions_.end(), normals_ ? points_.end() : nullptr, nullptr);
+  if (wanted_.normals) points_.reserve_extra(3 * (count + kernel_slack));
+  place(plane_, out.keys.data(), count, positions_.end(), wanted_.normals ? points_.end() : nullptr, nullptr);
   positions_.commit(3 * count);
-  if (normals_) points_.commit(3 * count);
+  if (wanted_.normals) points_.commit(3 * count);
+  if (wanted_.facets) {
+    facets_.reserve_extra(count);
+    std::fill_n(facets_.end(), count, FacetFour{});
+    facets_.commit(count);
+  }
   if (kept_) take_over(k, out);
   const EdgeKey* keys = out.keys.data();
   for (std::uint32_t v = 0; v < count; ++v) {
@@ -113,7 +166,7 @@ void PieceMaker::vertices(int k, const PlaneOutput& out) {
 void PieceMaker::take_over(int k, const PlaneOutput& out) {
   const std::span<std::uint32_t> old = kept_->piece.edges;
   const std::size_t count = out.keys.size();
-  normals_out_.resize(normals_ ? out.first + count : 0);
+  normals_out_.resize(wanted_.normals ? out.first + count : 0);
   for (std::uint32_t v = 0; v < count; ++v) {
     const EdgeKey key = out.keys.data()[v];
     const int i = key_i(key), j = key_j(key), axis = key_axis(key);
@@ -127,7 +180,7 @@ void PieceMaker::take_over(int k, const PlaneOutput& out) {
     if (kept_at_ == old.size() || old[kept_at_] != edge)
       fail(ErrorKind::usage, "a field changed outside of the boxes that were said to hold every change");
     std::memcpy(positions_.data() + 3 * (out.first + v), &kept_->piece.positions[kept_at_], sizeof(Vec3f));
-    if (normals_) normals_out_[out.first + v] = kept_->piece.normals[kept_at_];
+    if (wanted_.normals) normals_out_[out.first + v] = kept_->piece.normals[kept_at_];
   }
 }
 
@@ -136,6 +189,31 @@ void PieceMaker::triangles(const PlaneOutput& out) {
   indices_.reserve_extra(out.indices.size());
   std::memcpy(indices_.end(), out.indices.data(), out.indices.size() * sizeof(std::uint32_t));
   indices_.commit(out.indices.size());
+  if (wanted_.facets) add_facets(out);
+}
+
+/// While positions and sums of the layer's vertices are in the innermost cache.
+void PieceMaker::add_facets(const PlaneOutput& out) {
+  const float* const positions =
+      positions_.data();  // with slack: a fourth float can be read, and is not asked for
+  FacetFour* const sums = facets_.data();
+  const std::uint32_t* const indices = out.indices.data();
+  for (std::size_t i = 0; i < out.indices.size(); i += 3) {
+    const std::uint32_t a = indices[i], b = indices[i + 1], c = indices[i + 2];
+    const Four at = load_four(positions + 3 * a);
+    const Four u = load_four(positions + 3 * b) - at, v = load_four(positions + 3 * c) - at;
+    const FacetFour facet =
+        u * __builtin_shufflevector(v, v, 1, 2, 0, 3) - __builtin_shufflevector(u, u, 1, 2, 0, 3) * v;
+    sums[a] += facet;
+    sums[b] += facet;
+    sums[c] += facet;
+  }
+}
+
+void PieceMaker::settle(Piece& piece) {
+  const double start = now();
+  settle_inside(piece, facets_.data());
+  normals_seconds += now() - start;
 }
 
 void PieceMaker::note_border(int k, EdgeKey key, std::uint32_t vertex) {
@@ -176,12 +254,7 @@ void PieceMaker::find_normals(SampleSource& source, Piece& out) {
   values_.resize(count);
   gradients_.resize(count);
   source.gradients({points, count}, values_, gradients_);
-  for (Vec3f& g : gradients_) {
-    const float l = length(g);
-    // A field may be flat along its own zero set; up is as good as any other direction, on both sides of a
-    // seam.
-    g = l > 0 && std::isfinite(l) ? g * (-1.0f / l) : Vec3f{0, 0, 1};
-  }
+  to_normals(gradients_);
   if (kept_)
     for (std::size_t f = 0; f < count; ++f) normals_out_[fresh_[f]] = gradients_[f];
   out.normals = arena_->copy(kept_ ? normals_out_.data() : gradients_.data(), out.positions.size());
@@ -203,7 +276,7 @@ void find_parts(Piece& out, std::vector<std::uint32_t>& parents) {
     else
       parents[ra] = rb;
   };
-  for (const auto& t : out.triangles) join(t[0], t[1]), join(t[1], t[2]);
+  out.triangles.for_each([&](const auto& t) { join(t[0], t[1]), join(t[1], t[2]); });
   // Roots are the lowest vertex of their part, so one pass in order numbers them.
   std::vector<std::uint32_t> labels(count);
   std::uint32_t parts = 0;
@@ -212,12 +285,12 @@ void find_parts(Piece& out, std::vector<std::uint32_t>& parents) {
     labels[v] = parents[v] == v ? parts++ : labels[parents[v]];
   }
   out.parts.assign(parts, Part{});
-  for (const auto& t : out.triangles) {
+  out.triangles.for_each([&](const auto& t) {
     const Vec3d a = to_double(out.positions[t[0]]), b = to_double(out.positions[t[1]]);
     Part& part = out.parts[labels[t[0]]];
     part.volume += dot(a, cross(b, to_double(out.positions[t[2]]))) / 6;
     ++part.triangles;
-  }
+  });
   for (std::uint32_t v : out.open) out.parts[labels[v]].open = true;
   if (parts > 1) out.labels = std::move(labels);
 }

@@ -13,6 +13,7 @@
 #include "tafoni/field/chunks.h"
 #include "tafoni/surface/impl/arena.h"
 #include "tafoni/surface/impl/block.h"
+#include "tafoni/surface/impl/four.h"
 #include "tafoni/surface/impl/lattice.h"
 #include "tafoni/surface/sample_source.h"
 
@@ -48,18 +49,50 @@ struct Part {
   bool open = false;  ///< touches the border of the meshed cells
 };
 
-/// The triangles around a vertex (mesh/inner/facets.h), in units of voxel^2 / 2^30: whole numbers, whose sum
-/// does not depend on the order.
+/// A piece's triangles, as indices of 16 bits where these are enough: half the memory to be touched.
+class PieceTriangles {
+ public:
+  using Wide = std::array<std::uint32_t, 3>;
+
+  PieceTriangles() = default;
+  PieceTriangles(std::span<const Wide> wide) : wide_(wide) {}
+  /// A copy in the arena, of triangles of so many vertices.
+  PieceTriangles(std::span<const Wide> triangles, std::size_t vertices, Arena& arena);
+
+  std::size_t size() const { return wide_.size() + narrow_.size(); }
+  /// Calls body(triangle) for [begin, end).
+  template <class Body>
+  void for_each(std::size_t begin, std::size_t end, const Body& body) const {
+    if (narrow_.empty())
+      for (const auto& t : wide_.subspan(begin, end - begin)) body(t);
+    else
+      for (const auto& t : narrow_.subspan(begin, end - begin)) body(t);
+  }
+  template <class Body>
+  void for_each(const Body& body) const {
+    for_each(0, size(), body);
+  }
+  friend bool operator==(const PieceTriangles& a, const PieceTriangles& b);
+
+ private:
+  using Narrow = std::array<std::uint16_t, 3>;
+  std::span<const Wide> wide_;  ///< one of the two is empty
+  std::span<const Narrow> narrow_;
+};
+
+/// The sum of the facet vectors (mesh/inner/facets.h) of the triangles around a vertex, as z, x, y.
+using FacetFour = Four;
+/// The same in units of voxel^2 / 2^30: whole numbers, whose sum does not depend on the order.
 using FacetSum = Vec3<std::int64_t>;
 
 struct Piece {
   Vec3i chunk;
   std::span<Vec3f> positions, normals;  ///< in the maker's arena, as are the triangles
-  std::span<std::array<std::uint32_t, 3>> triangles;
+  PieceTriangles triangles;
   std::array<std::vector<BorderVertex>, 6> faces;  ///< x low, x high, y low, …; none of the corners
   std::vector<CornerVertex> corners;
-  std::vector<FacetSum> rim;  ///< of the vertices of faces and corners (rim.h); empty before settle_inside()
-  std::vector<Part> parts;    ///< empty when not asked for
+  std::span<FacetSum> rim;  ///< of the vertices of faces and corners (rim.h); empty when not asked for
+  std::vector<Part> parts;  ///< empty when not asked for
   std::vector<std::uint32_t> labels;  ///< part of each vertex; empty when there is one part
   std::vector<std::uint32_t> open;    ///< vertices on the border of the meshed cells
   std::span<std::uint32_t> edges;     ///< the edge of each vertex, ascending; empty when not asked for
@@ -86,15 +119,26 @@ struct Kept {
   }
 };
 
+/// What of a piece is asked for beside positions and triangles.
+struct PieceParts {
+  bool normals = false;
+  bool facets = false;  ///< the rim's, and settle() can be called
+  bool parts = false;
+};
+
 /// Makes pieces; one a thread, its memory reused from chunk to chunk.
 class PieceMaker {
  public:
-  PieceMaker(const CellSet& cells, double voxel, bool normals, bool parts)
-      : set_(cells), voxel_(voxel), normals_(normals), parts_(parts), margin_(margin_for(cells.reach())) {}
+  PieceMaker(const CellSet& cells, double voxel, const PieceParts& wanted)
+      : set_(cells), voxel_(voxel), wanted_(wanted), margin_(margin_for(cells.reach())) {}
 
   /// False when no cell of the chunk is cut. `source` has just evaluated `samples`. With `kept` pieces get
   /// edges, and vertices that it holds are taken over.
   bool make(const field::ChunkSamples& samples, SampleSource& source, Piece& out, const Kept* kept = nullptr);
+
+  /// Makes the normals inside the piece that was made last agree with its triangles (settle_inside() in
+  /// rim.h).
+  void settle(Piece& piece);
 
   /// Where the pieces made so far live; the maker goes on in a new one.
   std::unique_ptr<Arena> take_arena() { return std::exchange(arena_, std::make_unique<Arena>()); }
@@ -118,11 +162,12 @@ class PieceMaker {
   bool choose_cells(const field::ChunkSamples& samples);
   void note_border(int k, EdgeKey key, std::uint32_t vertex);
   void find_normals(SampleSource& source, Piece& out);
+  void add_facets(const PlaneOutput& out);
   void take_over(int k, const PlaneOutput& out);
 
   const CellSet& set_;
   double voxel_;
-  bool normals_, parts_;
+  PieceParts wanted_;
   float margin_;
   Vec3i first_;  ///< the chunk's first cell
   Plane plane_;
@@ -137,6 +182,7 @@ class PieceMaker {
   Buffer<float> positions_;
   Buffer<double> points_;
   Buffer<std::uint32_t> indices_;
+  Buffer<FacetFour> facets_;  ///< of the vertices so far
   const Kept* kept_ = nullptr;
   std::size_t kept_at_ = 0;           ///< how far kept_'s edges are read
   std::vector<std::uint32_t> edges_;  ///< of the vertices so far

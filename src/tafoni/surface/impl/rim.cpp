@@ -1,5 +1,5 @@
-// Sums facet vectors over a piece's triangles. Vertices inside are settled at once; what the rim got is kept
-// as whole numbers, which neighbours, and the tiles beyond a seam, add to.
+// Vertices inside a piece are settled at once by the facets about them; what the rim got is kept as whole
+// numbers, which neighbours, and the tiles beyond a seam, add to.
 
 #include "tafoni/surface/impl/rim.h"
 
@@ -15,6 +15,11 @@ constexpr int chunk_side = field::chunk_cells;
 /// FacetSum's units a square metre.
 double units(double voxel) {
   return 0x1p30 / (voxel * voxel);
+}
+
+/// Half away from zero.
+std::int64_t nearest(double x) {
+  return static_cast<std::int64_t>(x + std::copysign(0.5, x));
 }
 
 /// The edge of a vertex on a face; the inverse of PieceMaker::note_border.
@@ -38,21 +43,18 @@ void for_each_on_rim(const Piece& piece, const Body& body) {
   for (const CornerVertex& v : piece.corners) body(at++, v.vertex, v.edge);
 }
 
-/// Sets each vertex's sum of facet vectors (mesh/inner/facets.h), a vector at once.
-void add_facets(const Piece& piece, SettleScratch& out) {
-  if (out.size() < piece.positions.size()) out.resize(piece.positions.size());
-  for (std::size_t v = 0; v < piece.positions.size(); ++v) {
-    const Vec3f& p = piece.positions[v];
-    using Four = FacetVertex::Four;
-    out[v] = {Four{p.x, p.y, p.z, 0}, Four{p.y, p.z, p.x, 0}, Four{}};
-  }
-  for (const auto& t : piece.triangles) {
-    FacetVertex &a = out[t[0]], &b = out[t[1]], &c = out[t[2]];
-    const auto facet = (b.at - a.at) * (c.next - a.next) - (b.next - a.next) * (c.at - a.at);
-    a.sum += facet;
-    b.sum += facet;
-    c.sum += facet;
-  }
+Vec3f vector_of(const FacetFour& sum) {
+  return {sum[1], sum[2], sum[0]};
+}
+
+/// Of four vertices.
+Vec3<Four> vectors_of(const FacetFour* s) {
+  const Four zx01 = __builtin_shufflevector(s[0], s[1], 0, 4, 1, 5);
+  const Four zx23 = __builtin_shufflevector(s[2], s[3], 0, 4, 1, 5);
+  const Four y01 = __builtin_shufflevector(s[0], s[1], 2, 6, 2, 6);
+  const Four y23 = __builtin_shufflevector(s[2], s[3], 2, 6, 2, 6);
+  return {__builtin_shufflevector(zx01, zx23, 2, 3, 6, 7), __builtin_shufflevector(y01, y23, 0, 1, 4, 5),
+          __builtin_shufflevector(zx01, zx23, 0, 1, 4, 5)};
 }
 
 }  // namespace
@@ -63,22 +65,26 @@ std::size_t rim_begin(const Piece& piece, int face) {
   return begin;
 }
 
-void settle_inside(Piece& piece, double voxel, SettleScratch& scratch) {
-  add_facets(piece, scratch);
-  const auto take = [&](std::size_t vertex) {
-    const FacetVertex::Four& sum = scratch[vertex].sum;
-    return Vec3f{sum[1], sum[2], sum[0]};
-  };
-  piece.rim.clear();
-  piece.rim.reserve(rim_begin(piece, 6) + piece.corners.size());
+void note_rim(Piece& piece, double voxel, const FacetFour* facets) {
   const double scale = units(voxel);
-  for_each_on_rim(piece, [&](std::size_t, std::uint32_t vertex, const LatticeEdge&) {
-    const Vec3d sum = to_double(take(vertex)) * scale;
-    piece.rim.push_back({std::llround(sum.x), std::llround(sum.y), std::llround(sum.z)});
-    scratch[vertex].sum = FacetVertex::Four{};  // the inside is settled without it
+  for_each_on_rim(piece, [&](std::size_t at, std::uint32_t vertex, const LatticeEdge&) {
+    const Vec3d sum = to_double(vector_of(facets[vertex])) * scale;
+    piece.rim[at] = {nearest(sum.x), nearest(sum.y), nearest(sum.z)};
   });
-  for (std::size_t v = 0; v < piece.normals.size(); ++v)
-    piece.normals[v] = mesh::inner::agreeing(piece.normals[v], take(v));
+}
+
+void settle_inside(Piece& piece, FacetFour* facets) {
+  for_each_on_rim(
+      piece, [&](std::size_t, std::uint32_t vertex, const LatticeEdge&) { facets[vertex] = FacetFour{}; });
+  const std::span<Vec3f> normals = piece.normals;
+  // Few normals disagree with their triangles: four are looked at together.
+  std::size_t v = 0;
+  for (; v + 4 <= normals.size(); v += 4) {
+    const auto wrong = mesh::inner::disagree(load_vectors(&normals[v]), vectors_of(&facets[v]));
+    for (std::size_t k = 0; k < 4; ++k)
+      if (wrong[k]) normals[v + k] = normalized(vector_of(facets[v + k]));
+  }
+  for (; v < normals.size(); ++v) normals[v] = mesh::inner::agreeing(normals[v], vector_of(facets[v]));
 }
 
 void settle_rim(Piece& piece, double voxel) {

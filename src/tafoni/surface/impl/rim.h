@@ -10,22 +10,18 @@
 
 namespace tafoni::surface::impl {
 
-/// A vertex as the triangles around it are summed up, a vector at once (g++ and clang).
-struct FacetVertex {
-  using Four = float __attribute__((vector_size(16)));
-  Four at;    ///< x, y, z
-  Four next;  ///< y, z, x
-  Four sum;   ///< z, x, y
-};
-using SettleScratch = std::vector<FacetVertex>;
-
 /// The rim of a piece are the vertices that others may have, too: those on its six faces, in order, then
 /// those of its corners. Where a face's begin; the corners' for 6.
 std::size_t rim_begin(const Piece& piece, int face);
+inline std::size_t rim_size(const Piece& piece) {
+  return rim_begin(piece, 6) + piece.corners.size();
+}
 
-/// Makes the normals inside agree with the piece's triangles, if it has normals, and sets what these give the
-/// rim. Soon after the piece was made, while it is in the cache.
-void settle_inside(Piece& piece, double voxel, SettleScratch& scratch);
+/// Sets piece.rim, which has room, from the sums about all vertices.
+void note_rim(Piece& piece, double voxel, const FacetFour* facets);
+/// Makes the normals that are not on the rim agree with the sums about their vertices. Soon after the piece
+/// was made, while it is in the cache. The rim's sums are set to zero.
+void settle_inside(Piece& piece, FacetFour* facets);
 
 /// Chunk columns [x0, x1) x [y0, y1): a tile.
 struct ChunkColumns {

@@ -55,6 +55,29 @@ bool same_bytes(const mesh::Mesh& a, const mesh::Mesh& b) {
          same_bytes(a.triangles, b.triangles);
 }
 
+// 16 bits name 65,536 vertices: of both sides of that, no edge is longer than a cell.
+TEST(Polygonize, ChunksOfAnyNumberOfVerticesHaveWholeTriangles) {
+  for (const double wave : {4.0, 20.0}) {
+    const double k = 2 * pi / wave;
+    const test::Function gyroid = [=](Vec3d p) {
+      return std::sin(k * p.x) * std::cos(k * p.y) + std::sin(k * p.y) * std::cos(k * p.z) +
+             std::sin(k * p.z) * std::cos(k * p.x) + 0.01;
+    };
+    PolygonizeSettings settings = solid(1, {{2, 2, 2}, {62, 62, 62}});
+    settings.boundary = Boundary::open;
+    const mesh::Mesh mesh = mesh_of(gyroid, settings);
+    EXPECT_EQ(mesh.positions.size() > 65'536, wave < 8) << mesh.positions.size();
+    expect_valid(mesh);
+    double longest = 0;
+    for (const auto& t : mesh.triangles)
+      for (int c = 0; c < 3; ++c)
+        longest = std::max(
+            longest, length(to_double(mesh.positions[t[c]]) - to_double(mesh.positions[t[(c + 1) % 3]])));
+    EXPECT_GT(longest, 0.5);
+    EXPECT_LE(longest, std::sqrt(3.0));
+  }
+}
+
 TEST(Polygonize, SphereConvergesWithSecondOrder) {
   double area_error[2], volume_error[2], normal_error[2];
   for (int level = 0; level < 2; ++level) {
