@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "tafoni/core/parallel.h"
 #include "tafoni/math/whole.h"
@@ -43,34 +44,69 @@ Pixel pixel_of(std::ptrdiff_t cell, int width) {
   return {static_cast<int>(cell % width), static_cast<int>(cell / width)};
 }
 
+/// The cell that holds v, or the nearest.
+inline int cell_of(double v, int cells) {
+  return static_cast<int>(std::clamp(v, 0.0, cells - 1.0));
+}
+
+/// A number known where it is compiled, and one that is not; loops over the former are unrolled.
+template <std::size_t n>
+using Known = std::integral_constant<std::size_t, n>;
+
+/// Memory of mean_along(), used again from call to call.
+struct MeanScratch {
+  std::vector<float> copy;
+  std::vector<double> sum;
+};
+
+/// A box mean of `radius` steps to each side along `count` steps of `lanes` floats each, which lie `stride`
+/// floats apart; beyond the ends stand zeros. Sums are double, as what is added and taken off again must
+/// leave exactly nothing behind.
+template <class Lanes>
+void mean_along(float* data, int count, std::ptrdiff_t stride, Lanes lanes, int radius,
+                MeanScratch& scratch) {
+  scratch.copy.resize(count * lanes);
+  scratch.sum.assign(lanes, 0);
+  float* const copy = scratch.copy.data();
+  double* const sum = scratch.sum.data();
+  for (int i = 0; i < count; ++i) std::copy_n(data + i * stride, std::size_t{lanes}, copy + i * lanes);
+  const auto add = [&](int i) {
+    const float* const from = copy + i * lanes;
+    for (std::size_t k = 0; k < lanes; ++k) sum[k] += from[k];
+  };
+  const float scale = 1 / static_cast<float>(2 * radius + 1);
+  for (int i = 0; i < std::min(radius, count); ++i) add(i);
+  for (int i = 0; i < count; ++i) {
+    if (i + radius < count) add(i + radius);
+    if (i > radius) {
+      const float* const from = copy + (i - radius - 1) * lanes;
+      for (std::size_t k = 0; k < lanes; ++k) sum[k] -= from[k];
+    }
+    float* const to = data + i * stride;
+    for (std::size_t k = 0; k < lanes; ++k) to[k] = static_cast<float>(sum[k]) * scale;
+  }
+}
+
 /// A box mean of `radius` cells along rows, then columns, over several channels at once; cells beyond the rim
 /// count as 0.
 template <std::size_t n>
 void blur(raster::Grid<std::array<float, n>>& grid, int radius) {
-  using Cell = std::array<float, n>;
-  const float scale = 1 / static_cast<float>(2 * radius + 1);
-  const auto line = [&](Cell* data, int count, std::ptrdiff_t stride, std::vector<Cell>& copy) {
-    for (int i = 0; i < count; ++i) copy[i] = data[i * stride];
-    // Sums are double, as what is added and taken off again must leave exactly nothing behind.
-    std::array<double, n> sum{};
-    const auto add = [&](int i, double sign) {
-      if (i < 0 || i >= count) return;
-      for (std::size_t k = 0; k < n; ++k) sum[k] += sign * copy[i][k];
-    };
-    for (int i = 0; i < radius; ++i) add(i, 1);
-    for (int i = 0; i < count; ++i) {
-      add(i + radius, 1);
-      add(i - radius - 1, -1);
-      for (std::size_t k = 0; k < n; ++k) data[i * stride][k] = static_cast<float>(sum[k]) * scale;
-    }
-  };
+  static_assert(sizeof(std::array<float, n>) == n * sizeof(float));
   parallel_blocks(grid.height(), 16, [&](int begin, int end) {
-    std::vector<Cell> copy(grid.width());
-    for (int row = begin; row < end; ++row) line(grid.row(row), grid.width(), 1, copy);
+    MeanScratch scratch;
+    for (int row = begin; row < end; ++row)
+      mean_along(grid.row(row)->data(), grid.width(), n, Known<n>(), radius, scratch);
   });
-  parallel_blocks(grid.width(), 16, [&](int begin, int end) {
-    std::vector<Cell> copy(grid.height());
-    for (int col = begin; col < end; ++col) line(grid.data() + col, grid.height(), grid.width(), copy);
+  // Columns side by side share cache lines.
+  constexpr int block = 16;
+  const std::ptrdiff_t stride = std::ptrdiff_t{n} * grid.width();
+  parallel_blocks(grid.width(), block, [&](int begin, int end) {
+    MeanScratch scratch;
+    float* const first = grid.data()[begin].data();
+    if (end - begin == block)
+      mean_along(first, grid.height(), stride, Known<block * n>(), radius, scratch);
+    else
+      mean_along(first, grid.height(), stride, n * (end - begin), radius, scratch);
   });
 }
 
@@ -201,8 +237,7 @@ void Streams::spread() {
 
 Streams::Bank Streams::at(Vec3d p) const {
   const Vec2d at = filled_.placement.pixel(p.x, p.y);
-  const Reach& r = reach_.at(floor_to(std::clamp(at.x + 0.5, 0.0, reach_.width() - 1.0)),
-                             floor_to(std::clamp(at.y + 0.5, 0.0, reach_.height() - 1.0)));
+  const Reach& r = reach_.at(cell_of(at.x + 0.5, reach_.width()), cell_of(at.y + 0.5, reach_.height()));
   return {r.stress, r.bed, {r.flow_x, r.flow_y}};
 }
 
@@ -210,9 +245,7 @@ bool Streams::near(Vec3d p, double around, double height) const {
   const auto low = static_cast<float>(p.z - around - height);
   const Vec2d a = filled_.placement.pixel(p.x - around, p.y + around);
   const Vec2d b = filled_.placement.pixel(p.x + around, p.y - around);
-  const auto index = [](double v, int count) {
-    return floor_to(std::clamp((v + 0.5) / tile, 0.0, count - 1.0));
-  };
+  const auto index = [](double v, int count) { return cell_of((v + 0.5) / tile, count); };
   for (int row = index(a.y, tiles_.height()); row <= index(b.y, tiles_.height()); ++row)
     for (int col = index(a.x, tiles_.width()); col <= index(b.x, tiles_.width()); ++col)
       if (tiles_.at(col, row) > low) return true;
