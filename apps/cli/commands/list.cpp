@@ -86,6 +86,8 @@ bool is_topic(const std::vector<Topic>& topics, const std::string& name) {
 int run(const List& list, Console& console) {
   const std::vector<Topic> topics = catalogue();
   if (list.markdown) {
+    if (console.json())
+      fail(ErrorKind::usage, "--markdown and --json are two forms of the same; give one of them");
     console.result(markdown(topics));
     return 0;
   }

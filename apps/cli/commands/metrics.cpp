@@ -222,6 +222,8 @@ std::function<int(Console&)> setup(Args& args) {
   o->scene.declare(args);
   args.flag("--force", o->force, "Measures also what seems to take more memory than there is");
   return [o](Console& console) {
+    if (o->csv && console.json())
+      fail(ErrorKind::usage, "--csv and --json are two forms of the same; give one of them");
     if (o->sgm) return run_sgm(*o, console);
     if (o->csv || o->cube || !o->details.empty() || !o->layer.empty())
       fail(ErrorKind::usage, "--details, --cube, --layer and --csv go with --sgm");

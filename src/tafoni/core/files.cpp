@@ -45,6 +45,21 @@ bool overlooks_case(const fs::path& folder) {
   return found;
 }
 
+bool goes_up(const fs::path& path) {
+  return std::find(path.begin(), path.end(), "..") != path.end();
+}
+
+/// As far as there is anything; the path itself where it cannot be told.
+fs::path without_links(const fs::path& path) {
+  std::error_code code;
+  const fs::path real = fs::weakly_canonical(path, code);
+  return code ? path : real;
+}
+
+bool same_place(const fs::path& a, const fs::path& b) {
+  return without_links(a) == without_links(b);
+}
+
 }  // namespace
 
 fs::path follow_links(const fs::path& path) {
@@ -57,6 +72,17 @@ fs::path follow_links(const fs::path& path) {
     at = to.is_absolute() ? to : at.parent_path() / to;
   }
   fail(ErrorKind::input, "{}: is a link that leads in a circle; give the file itself", path.string());
+}
+
+fs::path tidy(const fs::path& path) {
+  const fs::path plain = path.lexically_normal();
+  return goes_up(path) && !same_place(path, plain) ? without_links(path) : plain;
+}
+
+fs::path relative_to(const fs::path& folder, const fs::path& path) {
+  const fs::path plain = tidy(path).lexically_relative(tidy(folder));
+  if (!goes_up(plain) || same_place(folder / plain, path)) return plain;
+  return without_links(path).lexically_relative(without_links(folder));
 }
 
 bool same_file(const fs::path& a, const fs::path& b) {

@@ -9,6 +9,13 @@ namespace tafoni {
 /// lead in a circle.
 std::filesystem::path follow_links(const std::filesystem::path& path);
 
+/// The path without "." and "..", where that leads to the same place; else, as behind a link to a folder, the
+/// path without links.
+std::filesystem::path tidy(const std::filesystem::path& path);
+/// How `path` is named in a file that lies in `folder`; both absolute. Without links where it is a link that
+/// "..", as the system takes it, does not come back from.
+std::filesystem::path relative_to(const std::filesystem::path& folder, const std::filesystem::path& path);
+
 /// Whether two paths are those of one file: by what they lead to where that exists, hard links included; else
 /// by folder and name, and case counts only where the folder's disk tells it apart.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);

@@ -15,6 +15,7 @@
 #include "tafoni/io/impl/dem_levels.h"
 #include "tafoni/io/impl/dem_source.h"
 #include "tafoni/math/whole.h"
+#include "tafoni/raster/collar.h"
 #include "tafoni/raster/fill.h"
 #include "tafoni/raster/jumps.h"
 #include "tafoni/raster/resample.h"
@@ -41,8 +42,6 @@ constexpr double earth_axis = 6'378'137, other_planet = 1e5;
 constexpr double jump_slope = 8, least_jump = 100;
 /// Degrees: beyond half of the earth no map in metres is near one.
 constexpr double widest_map = 180;
-/// Rows that are looked at for columns without data.
-constexpr int gap_rows = 200;
 /// Pixels that are surveyed at once, and that are kept to look for terraces in: 16 MB of doubles.
 constexpr int survey_pixels = 1 << 21;
 /// Pixels that are surveyed at once where a row of blocks has more than those above: 128 MB of doubles.
@@ -133,48 +132,6 @@ void note_step(const impl::DemSource& source, double step, bool smoothed, std::v
     notes.push_back("heights are 8-bit; at most 256 different ones.");
 }
 
-/// Where the columns of a file are empty between two parts that are not, in its middle: begin and end.
-std::pair<int, int> widest_gap(impl::DemSource& source) {
-  const int width = source.width(), step = std::max(1, source.height() / gap_rows);
-  std::vector<double> line(width);
-  std::vector<bool> known(width, false);
-  const impl::ReadReport before = source.report;
-  for (int row = 0; row < source.height(); row += step) {
-    source.read(0, 0, row, width, 1, line.data());
-    for (int col = 0; col < width; ++col)
-      if (!std::isnan(line[col])) known[col] = true;
-  }
-  source.report = before;
-  std::pair<int, int> widest{0, 0};
-  int last = -1;
-  for (int col = 0; col < width; ++col) {
-    if (!known[col]) continue;
-    if (last >= 0 && col - last - 1 > widest.second - widest.first) widest = {last + 1, col};
-    last = col;
-  }
-  return widest;
-}
-
-/// Why a file in degrees that goes about most of the earth cannot be read whole, and what to do.
-std::string why_too_wide(impl::DemSource& source, double degrees) {
-  const auto& t = source.transform;
-  const auto [begin, end] = widest_gap(source);
-  if (t[1] <= 0 || t[2] != 0 || (end - begin) * t[1] < degrees / 2)
-    return fmt::format(
-        "spans {:.4g} degrees of longitude, more than a map in metres can; choose a window of it.", degrees);
-  const double seam = std::remainder(t[0], 360) <= -180 ? 180 : std::remainder(t[0], 360);
-  double west = t[0] + end * t[1], east = t[0] + begin * t[1] + 360;
-  const double turns = 360 * std::round(((west + east) / 2 - seam) / 360);
-  west -= turns;
-  east -= turns;
-  const double y0 = t[3], y1 = t[3] + source.height() * t[5];
-  return fmt::format(
-      "spans {:.4g} degrees of longitude, with data at both ends and nothing between: it is cut along the "
-      "meridian of {:g} degrees; join it there first, as gdalwarp -t_srs \"+proj=longlat +datum=WGS84 "
-      "+lon_wrap={:g}\" -te {:.9g} {:.9g} {:.9g} {:.9g} does.",
-      degrees, seam, seam, west, std::min(y0, y1), east, std::max(y0, y1));
-}
-
 /// The transform of a grid whose pixels cover fx by fy of the file's, from the window's corner.
 std::array<double, 6> transform_of(const std::array<double, 6>& t, const std::array<int, 4>& window,
                                    double fx, double fy) {
@@ -208,7 +165,7 @@ class Reader {
 
   Dem read() {
     if (frame_.degrees_wide > widest_map)
-      fail(ErrorKind::input, "{} {}", source_->name, why_too_wide(*source_, frame_.degrees_wide));
+      fail(ErrorKind::input, "{} {}", source_->name, impl::why_too_wide(*source_, frame_.degrees_wide));
     take(source_->notes);
     take(frame_.notes);
     const auto [x, y, w, h] = window_;
@@ -227,7 +184,9 @@ class Reader {
           reading.overviews_off));
     raster::Raster raster{std::move(reading.heights), {0, 0, frame_.pixel_x * fx, frame_.pixel_y * fy}, ""};
     note_oddities(source_->report, dem_.notes);
-    raster::JumpSearch search(jump_limit(std::max(raster.placement.dx, raster.placement.dy)));
+    const double limit = jump_limit(std::max(raster.placement.dx, raster.placement.dy));
+    if (!source_->marks_missing()) take_off_collar(raster.values, limit);
+    raster::JumpSearch search(limit);
     for (int row = 0; row < height; ++row)
       search.add({raster.values.row(row), static_cast<std::size_t>(width)});
     note_jumps(search.jumps(), {1.0 * x, 1.0 * y, fx, fy}, dem_.notes);
@@ -250,6 +209,16 @@ class Reader {
   [[noreturn]] void fail_empty() const {
     fail(ErrorKind::input, "{} holds no elevations{}: every pixel is marked as missing.", source_->name,
          options_.window ? " in this window" : "");
+  }
+
+  void take_off_collar(raster::Grid<float>& heights, double limit) {
+    const double zero = source_->offset * source_->unit;
+    const raster::Collar collar = raster::remove_collar(heights, static_cast<float>(zero), limit);
+    if (collar.pixels > 0)
+      dem_.notes.push_back(fmt::format(
+          "{} pixels at its border hold exactly {:g} m, while all ground beside them lies {:.4g} m or more "
+          "from that; taken as missing.",
+          collar.pixels, zero, collar.lowest_beside));
   }
 
   void note_range(const raster::Grid<float>& heights) {
@@ -438,7 +407,7 @@ DemInfo inspect_dem(const std::filesystem::path& path, const DemOptions& options
   const impl::Frame frame = impl::metric_frame(*source, window, options);
   info.notes = source->notes;
   if (frame.degrees_wide > widest_map)
-    info.notes.push_back(why_too_wide(*source, frame.degrees_wide));
+    info.notes.push_back(impl::why_too_wide(*source, frame.degrees_wide));
   else
     info.notes.insert(info.notes.end(), frame.notes.begin(), frame.notes.end());
   const raster::Jumps jumps = survey(*source, std::max(frame.pixel_x, frame.pixel_y), info, progress);

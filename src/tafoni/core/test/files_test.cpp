@@ -40,6 +40,18 @@ TEST_F(Files, OneFileHasManyPaths) {
   EXPECT_FALSE(same_file(a, root / "none"));
 }
 
+TEST_F(Files, TidyPathsLeadToTheSamePlace) {
+  fs::create_directories(root / "far" / "deep");
+  fs::create_directory(root / "in");
+  fs::create_directory_symlink("far/deep", root / "link");
+  std::ofstream(root / "far" / "a") << "a";
+  EXPECT_EQ(tidy(root / "in" / ".." / "." / "a"), root / "a");
+  EXPECT_EQ(tidy(root / "link" / "b"), root / "link" / "b");
+  EXPECT_EQ(tidy(root / "none" / ".." / "b"), root / "b");
+  EXPECT_EQ(tidy("../x/../y"), "../y");
+  EXPECT_TRUE(same_file(tidy(root / "link" / ".." / "a"), root / "far" / "a"));
+}
+
 TEST_F(Files, FilesToComeAreComparedByTheirFolders) {
   fs::create_directory(root / "in");
   fs::create_directory_symlink("in", root / "also");

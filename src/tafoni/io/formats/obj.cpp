@@ -7,6 +7,7 @@
 
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/placing.h"
+#include "tafoni/io/impl/polygon.h"
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/seams.h"
 #include "tafoni/io/impl/writing.h"
@@ -165,10 +166,11 @@ class Reader {
       if (second != word.npos && second + 1 < word.size())
         use_normal(v, normals_[index(word.substr(second + 1), normals_.size())]);
     }
-    impl::add_fan(mesh_.triangles, polygon_);
     untextured_ |= corners_.size() != polygon_.size();
-    for (std::size_t i = 2; i < polygon_.size() && !untextured_; ++i)
-      mesh_.texture.push_back({corners_[0], corners_[i - 1], corners_[i]});
+    for (const auto& [a, b, c] : cutter_.cut(polygon_, positions_)) {
+      mesh_.triangles.push_back({polygon_[a], polygon_[b], polygon_[c]});
+      if (!untextured_) mesh_.texture.push_back({corners_[a], corners_[b], corners_[c]});
+    }
   }
 
   /// A vertex with two normals lies on a hard edge; a smooth normal a vertex cannot say that.
@@ -189,6 +191,7 @@ class Reader {
   std::vector<Vec3d> positions_;
   std::vector<Vec3f> normals_;
   std::vector<std::uint32_t> polygon_;
+  impl::PolygonCutter cutter_;
   std::vector<Vec2<float>> pairs_, corners_;
   bool used_normals_ = false, conflict_ = false;
   bool untextured_ = false;  ///< a corner has no texture coordinates

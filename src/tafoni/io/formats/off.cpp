@@ -1,10 +1,11 @@
-// OFF, read only: a count of vertices and faces, their lines, and polygons that become fans of triangles.
+// OFF, read only: a count of vertices and faces, their lines, and polygons that become triangles.
 
 #include <algorithm>
 #include <string>
 
 #include "tafoni/io/format.h"
 #include "tafoni/io/impl/placing.h"
+#include "tafoni/io/impl/polygon.h"
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/mesh_file.h"
 
@@ -40,6 +41,7 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
     cursor.rest_of_line();
   }
   std::vector<std::uint32_t> polygon;
+  impl::PolygonCutter cutter;
   for (std::int64_t i = 0; i < faces; ++i) {
     const std::int64_t corners = cursor.integer(cursor.token_anywhere());
     polygon.clear();
@@ -48,7 +50,8 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
       if (v < 0 || v >= vertices) cursor.fail_here("a face names a vertex that is not there");
       polygon.push_back(static_cast<std::uint32_t>(v));
     }
-    impl::add_fan(mesh.triangles, polygon);
+    for (const auto& [a, b, c] : cutter.cut(polygon, positions))
+      mesh.triangles.push_back({polygon[a], polygon[b], polygon[c]});
     cursor.rest_of_line();
   }
   impl::place(mesh, positions, {});

@@ -9,6 +9,7 @@
 #include "tafoni/io/impl/gdal.h"
 #include "tafoni/io/impl/placing.h"
 #include "tafoni/io/impl/ply_header.h"
+#include "tafoni/io/impl/polygon.h"
 #include "tafoni/io/impl/reading.h"
 #include "tafoni/io/impl/writing.h"
 #include "tafoni/io/mesh_file.h"
@@ -192,12 +193,14 @@ void read_vertices(Values& values, const PlyElement& element, bool y_up, Given& 
   }
 }
 
-void read_faces(Values& values, const PlyElement& element, mesh::Mesh& mesh) {
+void read_faces(Values& values, const PlyElement& element, Given& given) {
+  mesh::Mesh& mesh = given.mesh;
   int at = element.find("vertex_indices");
   if (at < 0) at = element.find("vertex_index");
   if (at < 0 || !element.properties[at].list) values.fail_here("a face has no list of vertex_indices");
   mesh.triangles.reserve(element.count);
   std::vector<std::uint32_t> polygon;
+  impl::PolygonCutter cutter;
   for (std::uint64_t i = 0; i < element.count; ++i) {
     for (int p = 0; p < std::ssize(element.properties); ++p) {
       const PlyProperty& property = element.properties[p];
@@ -212,7 +215,8 @@ void read_faces(Values& values, const PlyElement& element, mesh::Mesh& mesh) {
         if (!(v >= 0 && v <= 0xffffffff)) values.fail_here("a face names a vertex that is not there");
         polygon.push_back(static_cast<std::uint32_t>(v));
       }
-      impl::add_fan(mesh.triangles, polygon);
+      for (const auto& [a, b, c] : cutter.cut(polygon, given.positions))
+        mesh.triangles.push_back({polygon[a], polygon[b], polygon[c]});
     }
   }
 }
@@ -226,7 +230,7 @@ mesh::Mesh read(std::span<const std::byte> bytes, std::string_view file) {
     if (element.name == "vertex") {
       read_vertices(values, element, impl::says_y_up(text), given);
     } else if (element.name == "face") {
-      read_faces(values, element, given.mesh);
+      read_faces(values, element, given);
     } else {
       for (std::uint64_t i = 0; i < element.count; ++i)
         for (const PlyProperty& property : element.properties) skip(values, property);

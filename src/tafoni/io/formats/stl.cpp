@@ -57,7 +57,7 @@ mesh::Mesh read_text(std::string_view text, std::string_view file) {
       positions.push_back(p);
     } else if (word == "endloop") {
       if (corners.size() != 3) cursor.fail_here("a facet does not have three vertices");
-      impl::add_fan(mesh.triangles, corners);
+      mesh.triangles.push_back({corners[0], corners[1], corners[2]});
       corners.clear();
     } else if (word == "endsolid" || word == "solid") {
       cursor.rest_of_line();

@@ -325,6 +325,31 @@ Hull suggested_hull(GDALDataset* source, void* transformer, const std::string& n
   return {extent[0], extent[1], extent[2], extent[3]};
 }
 
+/// Rows that are looked at for columns without data.
+constexpr int gap_rows = 200;
+
+/// Where the columns of a file are empty between two parts that are not, in its middle: begin and end.
+std::pair<int, int> widest_gap(DemSource& source) {
+  const int width = source.width(), step = std::max(1, source.height() / gap_rows);
+  std::vector<double> line(width);
+  std::vector<bool> known(width, false);
+  const ReadReport before = source.report;
+  for (int row = 0; row < source.height(); row += step) {
+    source.read(0, 0, row, width, 1, line.data());
+    for (int col = 0; col < width; ++col)
+      if (!std::isnan(line[col])) known[col] = true;
+  }
+  source.report = before;
+  std::pair<int, int> widest{0, 0};
+  int last = -1;
+  for (int col = 0; col < width; ++col) {
+    if (!known[col]) continue;
+    if (last >= 0 && col - last - 1 > widest.second - widest.first) widest = {last + 1, col};
+    last = col;
+  }
+  return widest;
+}
+
 }  // namespace
 
 Frame metric_frame(const DemSource& source, const std::array<int, 4>& window, const DemOptions& options) {
@@ -409,6 +434,25 @@ raster::Raster warp(raster::Grid<float>& grid, const std::array<double, 6>& tran
   target->FlushCache();
   progress.end();
   return out;
+}
+
+std::string why_too_wide(DemSource& source, double degrees) {
+  const auto& t = source.transform;
+  const auto [begin, end] = widest_gap(source);
+  if (t[1] <= 0 || t[2] != 0 || (end - begin) * t[1] < degrees / 2)
+    return fmt::format(
+        "spans {:.4g} degrees of longitude, more than a map in metres can; choose a window of it.", degrees);
+  const double seam = std::remainder(t[0], 360) <= -180 ? 180 : std::remainder(t[0], 360);
+  double west = t[0] + end * t[1], east = t[0] + begin * t[1] + 360;
+  const double turns = 360 * std::round(((west + east) / 2 - seam) / 360);
+  west -= turns;
+  east -= turns;
+  const double y0 = t[3], y1 = t[3] + source.height() * t[5];
+  return fmt::format(
+      "spans {:.4g} degrees of longitude, with data at both ends and nothing between: it is cut along the "
+      "meridian of {:g} degrees; join it there first, as gdalwarp -t_srs \"+proj=longlat +datum=WGS84 "
+      "+lon_wrap={:g}\" -te {:.9g} {:.9g} {:.9g} {:.9g} does.",
+      degrees, seam, seam, west, std::min(y0, y1), east, std::max(y0, y1));
 }
 
 }  // namespace tafoni::io::impl

@@ -34,6 +34,9 @@ raster::Raster upright(raster::Grid<float>&& grid, const std::array<double, 6>& 
 raster::Raster warp(raster::Grid<float>& grid, const std::array<double, 6>& transform, const Frame& frame,
                     double pixel, const std::string& name, Progress& progress);
 
+/// Why a file in degrees that goes about most of the earth cannot be read whole, and what to do.
+std::string why_too_wide(DemSource& source, double degrees);
+
 /// Throws Error{usage} when `pixels` floats, `copies` times, do not fit this machine.
 void check_memory(double pixels, double copies, const std::string& name);
 

@@ -382,7 +382,7 @@ void DemSource::read(std::size_t level, int x, int y, int w, int h, double* out)
       ++report.missing;
       ++report.not_finite;
     }
-  const std::vector<double> marks = undeclared_marks(out, count);
+  const std::vector<double> marks = guess_marks ? undeclared_marks(out, count) : std::vector<double>();
   for (std::size_t i = 0; i < count; ++i) {
     if (std::isnan(out[i])) continue;
     const double height = (out[i] * scale + offset) * unit;

@@ -54,6 +54,8 @@ class DemSource {
 
   int width() const { return levels.front().width; }
   int height() const { return levels.front().height; }
+  /// Whether the file says which pixels are missing.
+  bool marks_missing() const { return has_nodata || nan_marks_missing; }
   /// Metres between the heights that the file can tell apart; 0 where it stores reals.
   double step() const { return whole ? std::abs(scale * unit) : 0; }
 
@@ -76,6 +78,7 @@ class DemSource {
   std::optional<Depths> depths;
   double scale = 1, offset = 0;  ///< stored value -> the height unit
   double unit = 1;               ///< metres a height unit
+  bool guess_marks = true;  ///< whether values that often stand for missing data may do so without a tag
   std::vector<std::string> notes;
   ReadReport report;
 

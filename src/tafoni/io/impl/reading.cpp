@@ -99,11 +99,6 @@ bool is_no_number(std::string_view word) {
          low.starts_with("1.#");
 }
 
-void add_fan(std::vector<std::array<std::uint32_t, 3>>& triangles, std::span<const std::uint32_t> polygon) {
-  for (std::size_t i = 2; i < polygon.size(); ++i)
-    triangles.push_back({polygon[0], polygon[i - 1], polygon[i]});
-}
-
 Welder::Welder(std::vector<Vec3f>& positions, std::size_t expected) : positions_(positions) {
   seen_.reserve(expected);
 }

@@ -73,9 +73,6 @@ std::string lower_case(std::string_view text);
 /// What may stand for "none" or "infinite" among numbers, as C libraries print it.
 bool is_no_number(std::string_view word);
 
-/// Adds a polygon as a fan of triangles; fewer than three corners add nothing.
-void add_fan(std::vector<std::array<std::uint32_t, 3>>& triangles, std::span<const std::uint32_t> polygon);
-
 /// Shares vertices whose positions are equal (0 and -0 are).
 class Welder {
  public:

@@ -286,6 +286,24 @@ TEST(TrustInDem, UndeclaredMarksAreFoundAndSaid) {
   EXPECT_EQ(at(read_dem(depths).raster, 41, 0), -999);
 }
 
+// As who turns or cuts a file without naming a nodata value leaves it.
+TEST(TrustInDem, ZerosAboutHighGroundAreMissing) {
+  const auto turned = [](int c, int r) { return std::abs(c - 128) + std::abs(r - 128) < 110; };
+  const auto heights = [&](int c, int r) { return turned(c, r) ? height(c, r) : 0; };
+  DemOptions options;
+  options.fill_distance = 0;
+  for (const bool tagged : {false, true}) {
+    const fs::path path = temporary("turned.tif");
+    write_tiff(path, {.nodata = tagged ? -5.0 : NAN}, heights);
+    const Dem dem = read_dem(path, options);
+    for (int r = 0; r < side; ++r)
+      for (int c = 0; c < side; ++c)
+        ASSERT_EQ(std::isnan(at(dem.raster, c, r)), !tagged && !turned(c, r)) << c << ' ' << r;
+    EXPECT_THAT(dem.notes,
+                Contains(HasSubstr(tagged ? "heights jump" : "hold exactly 0 m, while all ground")));
+  }
+}
+
 TEST(TrustInDem, HeightsThatTheEarthDoesNotHaveAreSaid) {
   const fs::path feet = temporary("feet.tif");
   write_tiff(feet, {}, [](int c, int r) { return 21000 + 20 * height(c, r) / 2; });

@@ -114,7 +114,7 @@ const std::vector<ParamInfo>& layer_params() {
                    "layer acts; none leaves it free")
           .text("mask", &S::mask,
                 "Path of a raster, or paint:NAME for what strokes paint: the layer acts where it is above 0, "
-                "the more the nearer to 1; none leaves it free")
+                "the more the nearer to 1, which is 255 or 65535 in a painted one; none leaves it free")
           .text("points", &S::points,
                 "Path of a CSV (x,y,z) of places in the scene's CRS that a landform starts from; none lets "
                 "it choose")
@@ -159,7 +159,7 @@ std::filesystem::path Document::resolve(const std::string& path) const {
   io::SourceName name = io::split_source(path, directory);
   if (name.file.empty()) return path;
   if (!name.file.is_absolute() && !directory.empty()) name.file = directory / name.file;
-  name.file = name.file.lexically_normal();
+  name.file = tidy(name.file);
   return name.text();
 }
 

@@ -298,7 +298,7 @@ void rebase(std::string& path, const Document& document, const std::filesystem::
   io::SourceName name = io::split_source(path, document.directory);
   if (name.file.empty() || name.file.is_absolute()) return;
   const std::filesystem::path place = std::filesystem::absolute(document.directory / name.file);
-  name.file = place.lexically_normal().lexically_relative(directory);
+  name.file = relative_to(directory, place);
   path = name.text();
 }
 
@@ -321,7 +321,7 @@ std::string to_text(const Document& document) {
 
 void save_scene(const Document& document, const std::filesystem::path& file) {
   Document moved = document;
-  const auto directory = std::filesystem::absolute(follow_links(file)).lexically_normal().parent_path();
+  const auto directory = tidy(std::filesystem::absolute(follow_links(file))).parent_path();
   rebase(moved.terrain.source, document, directory);
   rebase(moved.terrain.domain, document, directory);
   for (Layer& layer : moved.layers)

@@ -52,6 +52,12 @@ void warn_of_coarse_voxel(const raster::Raster& elevations, double voxel, Progre
         voxel));
 }
 
+/// West, south, east, north.
+std::vector<double> outline_of(const raster::Raster& r) {
+  const raster::Placement& p = r.placement;
+  return {p.west, p.north - p.dy * r.height(), p.west + p.dx * r.width(), p.north};
+}
+
 Below below_layers(const Keyed<Ground>& ground, const Keyed<geology::GeologyPtr>& geology) {
   return {ground.value.terrain, ground.value.settings, geology.value, ground.value.open};
 }
@@ -211,6 +217,7 @@ Keyed<RegionPtr> Builder::region_of(const Stage& stage, const Layer& layer, Prog
                       {stage.ground.value.terrain.heights, stage.ground.key}};
   } else {
     limits.mask = file(stage.document, s.mask);
+    if (limits.mask) limits.outline = outline_of(*stage.ground.value.terrain.heights);
   }
   if (!limits.any()) return {};
   limits.origin = stage.ground.value.terrain.origin;

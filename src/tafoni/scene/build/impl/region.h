@@ -31,13 +31,15 @@ struct Limits {
   std::optional<File> polygons, mask;
   std::optional<PaintedMask> painted;  ///< in place of `mask`
   Vec3d origin;                        ///< of the scene
+  std::vector<double> outline;  ///< of the terrain's pixels, for masks that say not where they lie: local
+                                ///< west, south, east, north
   std::string crs;
 
   bool any() const { return !altitude.empty() || !box.empty() || polygons || mask || painted; }
 };
 inline auto parts(const Limits& limits) {
-  const auto& [altitude, box, polygons, mask, painted, origin, crs] = limits;
-  return std::tie(altitude, box, polygons, mask, painted, origin, crs);
+  const auto& [altitude, box, polygons, mask, painted, origin, outline, crs] = limits;
+  return std::tie(altitude, box, polygons, mask, painted, origin, outline, crs);
 }
 
 RegionPtr make_region(const Limits& limits, Progress& progress);

@@ -11,6 +11,7 @@
 #include "tafoni/core/random.h"
 #include "tafoni/core/test/test_folder.h"
 #include "tafoni/field/primitive.h"
+#include "tafoni/io/image_file.h"
 #include "tafoni/mesh/validate.h"
 #include "tafoni/scene/products/mesh_scene.h"
 
@@ -141,6 +142,27 @@ TEST_F(BuildScene, AMaskLimitsALayer) {
   const BuiltScene s = build(scene("[[layer]]\ntype = \"primitives\"\nfile = \"p.csv\"\nmask = \"m.asc\"\n"));
   ASSERT_EQ(s.layers.size(), 1u);
   EXPECT_EQ(field::stats(s.layers[0].made.nodes.at(0)).primitives, 1u);
+}
+
+// The terrain is 160 x 120 m; the western half of the picture is white.
+TEST_F(BuildScene, APaintedMaskWithoutAPlaceLiesOverTheTerrain) {
+  write("p.csv", "kind,x,y,z,radius,energy\npoint,40,60,20,6,-3\npoint,120,60,20,6,-3\n");
+  using Colour = std::array<std::uint8_t, 4>;
+  const auto paint = [&](const std::string& name, int width, int height) {
+    raster::Image image(width, height);
+    for (int row = 0; row < height; ++row)
+      for (int col = 0; col < width; ++col)
+        image.at(col, row) = col < width / 2 ? Colour{255, 255, 255, 255} : Colour{0, 0, 0, 255};
+    io::write_image(root / name, image);
+  };
+  paint("half.png", 40, 30);
+  paint("square.png", 30, 30);
+  const std::string layer = "[[layer]]\ntype = \"primitives\"\nfile = \"p.csv\"\nmask = ";
+  const BuiltScene s = build(scene(layer + "\"half.png\"\n"));
+  ASSERT_EQ(s.layers.size(), 1u);
+  EXPECT_EQ(field::stats(s.layers[0].made.nodes.at(0)).primitives, 1u);
+  EXPECT_THAT(failure(scene(layer + "\"square.png\"\n")),
+              HasSubstr("its 30 x 30 pixels are no picture of the terrain, which is 160 by 120 m"));
 }
 
 TEST_F(BuildScene, SeedsDecideAndLayersDoNotDisturbOneAnother) {

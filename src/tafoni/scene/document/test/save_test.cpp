@@ -169,6 +169,23 @@ TEST(SaveScene, PathsFollowTheFile) {
   EXPECT_THAT(e.text, HasSubstr("# Storm waves."));
 }
 
+// ".." leads up from where a link leads, as everywhere else on the system.
+TEST(SaveScene, PathsThroughLinkedFoldersFollowTheFile) {
+  namespace fs = std::filesystem;
+  const TestFolder folder;
+  const fs::path& root = folder.path;
+  fs::create_directories(root / "far" / "deep");
+  fs::create_directory_symlink("far/deep", root / "link");
+  std::ofstream(root / "far" / "dem.tif") << "heights";
+  const Document d = parse_scene("[terrain]\nsource = \"../dem.tif\"\n", root / "link" / "s.toml");
+  EXPECT_TRUE(fs::exists(d.resolve(d.terrain.source)));
+  for (const char* to : {"t.toml", "far/t.toml", "link/t.toml"}) {
+    save_scene(d, root / to);
+    const Document e = load_scene(root / to);
+    EXPECT_TRUE(fs::equivalent(e.resolve(e.terrain.source), root / "far" / "dem.tif")) << e.terrain.source;
+  }
+}
+
 TEST(SaveScene, NamesThatAreNoPathsFollowTheFile) {
   namespace fs = std::filesystem;
   const TestFolder folder;

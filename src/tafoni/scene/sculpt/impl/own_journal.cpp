@@ -44,7 +44,7 @@ bool names(const fs::path& scene, const fs::path& journal) {
 /// Scene files that a journal may be of, the likeliest first.
 std::vector<fs::path> scenes_of(const Journal& journal) {
   const fs::path file = follow_links(journal.file());
-  if (!journal.scene().empty()) return {(file.parent_path() / journal.scene()).lexically_normal()};
+  if (!journal.scene().empty()) return {tidy(file.parent_path() / journal.scene())};
   std::vector<fs::path> out;
   const std::string name = file.filename().string();
   for (std::size_t dot = name.rfind('.'); dot != std::string::npos && dot > 0; dot = name.rfind('.', dot - 1))
@@ -108,9 +108,8 @@ std::optional<fs::path> other_scene(const Journal& journal, const fs::path& scen
 }
 
 std::string scene_from(const Journal& journal, const fs::path& scene) {
-  const fs::path folder = fs::absolute(follow_links(journal.file())).lexically_normal().parent_path();
-  const fs::path path = fs::absolute(follow_links(scene)).lexically_normal();
-  return path.lexically_relative(folder).string();
+  const fs::path folder = tidy(fs::absolute(follow_links(journal.file()))).parent_path();
+  return relative_to(folder, tidy(fs::absolute(follow_links(scene)))).string();
 }
 
 bool is_shared(const Document& document, std::size_t layer) {
@@ -162,8 +161,8 @@ void take_over(Document& document, std::size_t index, const fs::path& file) {
 }
 
 fs::path make_journal(Document& document, std::size_t index, const fs::path& file, const Journal* from) {
-  const fs::path real = fs::absolute(follow_links(file)).lexically_normal();
-  const fs::path from_here = fs::absolute(document.resolve(".")).lexically_normal();
+  const fs::path real = tidy(fs::absolute(follow_links(file)));
+  const fs::path from_here = tidy(fs::absolute(document.resolve(".")));
   Layer& layer = document.layers[index];
   std::error_code code;
   // What the file names until it is saved again must stay as it is: nobody knows whether it will be.
@@ -180,7 +179,7 @@ fs::path make_journal(Document& document, std::size_t index, const fs::path& fil
     if (used || used_there) continue;
     if (gives_way(path, real, from)) fs::remove(path, code);
     if (!Journal::make(path, real.filename().string(), from)) continue;
-    set_journal(layer, path.lexically_relative(from_here).string());
+    set_journal(layer, relative_to(from_here, path).string());
     return path;
   }
 }
