@@ -31,9 +31,12 @@ func look(word, mesh):
 	var arrays = mesh.surface_get_arrays(0)
 	var places = arrays[Mesh.ARRAY_VERTEX]
 	var corners = arrays[Mesh.ARRAY_INDEX]
-	var box = AABB(places[0], Vector3())
+	# AABB.expand() rounds at each call: after millions of them it is some millimetres short.
+	var low = places[0]
+	var high = places[0]
 	for p in places:
-		box = box.expand(p)
+		low = Vector3(min(low.x, p.x), min(low.y, p.y), min(low.z, p.z))
+		high = Vector3(max(high.x, p.x), max(high.y, p.y), max(high.z, p.z))
 	# Godot takes triangles clockwise from outside.
 	var volume = 0.0
 	for i in range(0, corners.size(), 3):
@@ -41,8 +44,8 @@ func look(word, mesh):
 	var answer = {
 		"file": word,
 		"triangles": corners.size() / 3,
-		"low": numbers(box.position),
-		"high": numbers(box.position + box.size),
+		"low": numbers(low),
+		"high": numbers(high),
 		"volume": volume,
 	}
 	var colors = arrays[Mesh.ARRAY_COLOR]
