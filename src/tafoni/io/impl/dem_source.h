@@ -78,7 +78,7 @@ class DemSource {
   std::optional<Depths> depths;
   double scale = 1, offset = 0;  ///< stored value -> the height unit
   double unit = 1;               ///< metres a height unit
-  bool guess_marks = true;  ///< whether values that often stand for missing data may do so without a tag
+  bool guess_marks = true;       ///< whether values that often stand for missing data may do so without a tag
   std::vector<std::string> notes;
   ReadReport report;
 
