@@ -51,7 +51,7 @@ struct Chunk {
     const auto same = [](const auto& a, const auto& b) {
       return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
     };
-    return same(piece.positions, other.positions) && piece.triangles == other.triangles &&
+    return same(piece.positions, other.positions) && same(piece.triangles.wide(), other.triangles.wide()) &&
            same(piece.normals, other.normals);
   }
   /// Copies what lies in the memory of the maker, whose last piece it is.
@@ -64,9 +64,8 @@ struct Chunk {
     own(piece.positions, positions);
     own(piece.edges, edges);
     own(piece.rim, rim);
-    triangles.clear();
-    triangles.reserve(piece.triangles.size());
-    piece.triangles.for_each([&](const auto& t) { triangles.push_back({t[0], t[1], t[2]}); });
+    const auto made_triangles = piece.triangles.wide();
+    triangles.assign(made_triangles.begin(), made_triangles.end());
     piece.triangles = {triangles};
     parts_known = false;
     normals.assign(piece.normals.begin(), piece.normals.end());

@@ -56,18 +56,6 @@ PieceTriangles::PieceTriangles(std::span<const Wide> triangles, std::size_t vert
   narrow_ = narrow;
 }
 
-bool operator==(const PieceTriangles& a, const PieceTriangles& b) {
-  if (a.size() != b.size()) return false;
-  bool same = true;
-  std::size_t at = 0;
-  a.for_each([&](const auto& s) {
-    b.for_each(at, at + 1,
-               [&](const auto& t) { same = same && s[0] == t[0] && s[1] == t[1] && s[2] == t[2]; });
-    ++at;
-  });
-  return same;
-}
-
 bool PieceMaker::choose_cells(const field::ChunkSamples& samples) {
   bool any = false;
   layers_.fill(false);
@@ -121,11 +109,16 @@ bool PieceMaker::make(const field::ChunkSamples& samples, SampleSource& source, 
   const std::size_t count = walker_.vertex_count();
   if (count == 0) return false;
   out.cut_cells = walker_.cut_cells();
-  const auto* p = reinterpret_cast<const Vec3f*>(positions_.data());
-  out.positions = arena_->copy(p, count);
+  auto* p = reinterpret_cast<Vec3f*>(positions_.data());
   const auto* t = reinterpret_cast<const std::array<std::uint32_t, 3>*>(indices_.data());
-  out.triangles = PieceTriangles({t, indices_.size() / 3}, count, *arena_);
-  if (kept) out.edges = arena_->copy(edges_.data(), count);
+  if (kept) {
+    out.positions = {p, count};
+    out.triangles = PieceTriangles({t, indices_.size() / 3});
+    out.edges = edges_;
+  } else {
+    out.positions = arena_->copy(p, count);
+    out.triangles = PieceTriangles({t, indices_.size() / 3}, count, *arena_);
+  }
   if (wanted_.parts) find_parts(out, parents_);
   const double middle = now();
   triangles_seconds += middle - start;
@@ -255,9 +248,12 @@ void PieceMaker::find_normals(SampleSource& source, Piece& out) {
   gradients_.resize(count);
   source.gradients({points, count}, values_, gradients_);
   to_normals(gradients_);
-  if (kept_)
+  if (kept_) {
     for (std::size_t f = 0; f < count; ++f) normals_out_[fresh_[f]] = gradients_[f];
-  out.normals = arena_->copy(kept_ ? normals_out_.data() : gradients_.data(), out.positions.size());
+    out.normals = normals_out_;
+  } else {
+    out.normals = arena_->copy(gradients_.data(), count);
+  }
 }
 
 void find_parts(Piece& out, std::vector<std::uint32_t>& parents) {

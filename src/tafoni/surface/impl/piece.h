@@ -72,7 +72,8 @@ class PieceTriangles {
   void for_each(const Body& body) const {
     for_each(0, size(), body);
   }
-  friend bool operator==(const PieceTriangles& a, const PieceTriangles& b);
+  /// All of them where they were not copied to an arena.
+  std::span<const Wide> wide() const { return wide_; }
 
  private:
   using Narrow = std::array<std::uint16_t, 3>;
@@ -133,7 +134,7 @@ class PieceMaker {
       : set_(cells), voxel_(voxel), wanted_(wanted), margin_(margin_for(cells.reach())) {}
 
   /// False when no cell of the chunk is cut. `source` has just evaluated `samples`. With `kept` pieces get
-  /// edges, and vertices that it holds are taken over.
+  /// edges, vertices that it holds are taken over, and what it points to is valid until the next call.
   bool make(const field::ChunkSamples& samples, SampleSource& source, Piece& out, const Kept* kept = nullptr);
 
   /// Makes the normals inside the piece that was made last agree with its triangles (settle_inside() in
