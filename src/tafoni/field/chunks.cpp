@@ -178,7 +178,7 @@ void ChunkEvaluator::gradients(std::span<const Vec3d> points, std::span<float> v
   const double inv = 1 / (s.frame.voxel * brick_cells);
   const Vec3d origin{s.frame.x.metres[0], s.frame.y.metres[0], s.frame.z.metres[0]};
   const auto brick_of = [&](const Vec3d& p) {
-    // What lies below 0 is clamped: cutting off is as good as rounding down, and takes half the time.
+    // What lies below 0 is clamped: cutting off is as good as rounding down.
     const auto axis = [&](double d) { return std::clamp(static_cast<int>(d * inv), 0, bricks - 1); };
     return brick_index(axis(p.x - origin.x), axis(p.y - origin.y), axis(p.z - origin.z));
   };

@@ -37,7 +37,7 @@ void to_normals(std::span<Vec3f> g) {
     const Vec3<Four> four = load_vectors(&g[v]);
     const Four l = sqrt(dot(four, four)), scale = -1.0f / l;
     const auto usual = (l > 0) & (l <= std::numeric_limits<float>::max());
-    for (std::size_t k = 0; k < 4; ++k) g[v + k] = usual[k] ? g[v + k] * scale[k] : Vec3f{0, 0, 1};
+    for (std::size_t k = 0; k < 4; ++k) g[v + k] = usual[k] ? g[v + k] * scale[k] : to_normal(g[v + k]);
   }
   for (; v < g.size(); ++v) g[v] = to_normal(g[v]);
 }
@@ -187,8 +187,8 @@ void PieceMaker::triangles(const PlaneOutput& out) {
 
 /// While positions and sums of the layer's vertices are in the innermost cache.
 void PieceMaker::add_facets(const PlaneOutput& out) {
-  const float* const positions =
-      positions_.data();  // with slack: a fourth float can be read, and is not asked for
+  // There is slack behind them, so that a fourth float can be loaded with each; nobody asks for it.
+  const float* const positions = positions_.data();
   FacetFour* const sums = facets_.data();
   const std::uint32_t* const indices = out.indices.data();
   for (std::size_t i = 0; i < out.indices.size(); i += 3) {
