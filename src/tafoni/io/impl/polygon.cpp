@@ -5,6 +5,10 @@
 namespace tafoni::io::impl {
 namespace {
 
+/// A look at a corner goes over all others, and without a limit a polygon could ask for as many looks at each
+/// as it has corners.
+constexpr std::size_t looks_a_corner = 32;
+
 /// Twice the area, positive where a, b, c turn left.
 double turn(Vec2d a, Vec2d b, Vec2d c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
@@ -75,8 +79,8 @@ bool PolygonCutter::is_ear(std::size_t at) const {
 bool PolygonCutter::cut_ears() {
   left_.resize(flat_.size());
   for (std::uint32_t i = 0; i < left_.size(); ++i) left_[i] = i;
-  std::size_t at = 0;
-  for (std::size_t failures = 0; left_.size() > 3;) {
+  std::size_t at = 0, looks = 0;
+  for (std::size_t failures = 0; left_.size() > 3; ++looks) {
     const std::size_t n = left_.size();
     at %= n;
     const std::uint32_t before = left_[(at + n - 1) % n], after = left_[(at + 1) % n];
@@ -86,7 +90,7 @@ bool PolygonCutter::cut_ears() {
       triangles_.push_back({before, left_[at], after});
       left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(at));
       failures = 0;
-    } else if (++failures > 2 * n) {
+    } else if (++failures > 2 * n || looks > looks_a_corner * flat_.size()) {
       return false;
     } else {
       ++at;

@@ -15,8 +15,8 @@ class PolygonCutter {
  public:
   /// Places within `polygon` of the corners of its triangles, always two fewer than it has corners. A fan
   /// from the first corner where that covers it; else ears are cut off, seen from where the polygon is
-  /// largest. Corners whose positions are not known, polygons that cross themselves and concave ones of more
-  /// than `most_corners` become fans. Valid until the next call.
+  /// largest. Corners whose positions are not known, polygons that cross themselves or wind so that ears are
+  /// hard to find, and concave ones of more than `most_corners` become fans. Valid until the next call.
   std::span<const std::array<std::uint32_t, 3>> cut(std::span<const std::uint32_t> polygon,
                                                     std::span<const Vec3d> positions);
 
